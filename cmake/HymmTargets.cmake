@@ -1,0 +1,41 @@
+# Functions that give every target of this package the same language level, warnings and places.
+
+# Our own code: C++17, strict warnings, optional sanitizers.
+function(hymm_own_code target)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow)
+  if(HYMM_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(HYMM_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${HYMM_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${target} PRIVATE -fsanitize=${HYMM_SANITIZE})
+  endif()
+endfunction()
+
+# An executable that `rosrun hymm NAME` finds, in the build tree and when installed.
+function(hymm_add_executable name)
+  add_executable(${name} ${ARGN})
+  target_link_libraries(${name} PRIVATE hymm_ros)
+  hymm_own_code(${name})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+endfunction()
+
+# A GoogleTest binary; LABEL (unit, property, monte_carlo, replay) selects it in scripts/test.
+function(hymm_add_test name)
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE hymm_core hymm_test_support ${ARG_LIBRARIES}
+    GTest::gmock_main)
+  hymm_own_code(${name})
+  set_target_properties(${name} PROPERTIES
+    RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  gtest_discover_tests(${name}
+    DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT}
+      ENVIRONMENT "HYMM_SOURCE_DIR=${CMAKE_SOURCE_DIR}")
+endfunction()

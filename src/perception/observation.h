@@ -1,0 +1,32 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/pose2.h"
+
+namespace hymm::core {
+
+enum class LandmarkType { kUnknown = 0, kTrunk = 1, kReflector = 2 };
+
+/// One landmark as a sensor sees it, in the sensor's frame: its centre in range and bearing.
+struct Observation {
+  double range_m = 0.0;
+  double bearing_rad = 0.0;  ///< counter-clockwise from the sensor's x axis
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of (range [m], bearing [rad])
+  LandmarkType type = LandmarkType::kUnknown;
+  double diameter_m = std::numeric_limits<double>::quiet_NaN();  ///< NaN where it cannot be told
+  double diameter_variance = std::numeric_limits<double>::quiet_NaN();  ///< m^2
+  int identity = -1;  ///< of the landmark, where the sensor reads one; else -1
+};
+
+/// All landmarks seen at one time by one sensor.
+struct ObservationSet {
+  double time_s = 0.0;
+  Pose2 T_base_sensor;
+  std::vector<Observation> observations;
+};
+
+}  // namespace hymm::core

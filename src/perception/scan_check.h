@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "perception/laser_scan.h"
+
+namespace hymm::core {
+
+/// What makes a scan unusable, as a sentence that names the field and its value: a stamp or angle
+/// that is not finite, an increment of zero, range limits out of order, no ranges, intensities of
+/// another length. Single invalid ranges (NaN, negative) do not; they count as no measurement.
+std::optional<std::string> scanProblem(const LaserScan& scan);
+
+/// Beams whose range REP-117 gives no meaning to: NaN is allowed there, negative ranges are not.
+std::size_t invalidRanges(const LaserScan& scan);
+
+}  // namespace hymm::core

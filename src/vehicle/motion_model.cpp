@@ -1,0 +1,159 @@
+#include "vehicle/motion_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+
+namespace hymm::core {
+namespace {
+
+// tan(steering) * offset / wheelbase stays below this, so that the wheel never stands still in the
+// formula of the paper's vehicle while the car turns around it.
+constexpr double kLargestWheelShare = 0.9;
+
+// Below this turn the series of sin(t)/t and (1 - cos(t))/t is exact to rounding.
+constexpr double kSmallTurn_rad = 1e-4;
+
+double square(double value) { return value * value; }
+
+/// Density [unit^2 s] of an error with this deviation that persists over `correlation_time_s`.
+double densityOf(double deviation, double correlation_time_s) {
+  return 2.0 * square(deviation) * correlation_time_s;
+}
+
+/// sin(t)/t, (1 - cos(t))/t and their derivatives: displacement along an arc that turns by t.
+struct ArcFactors {
+  double sine, versine, d_sine, d_versine;
+
+  explicit ArcFactors(double t) {
+    if (std::abs(t) < kSmallTurn_rad) {
+      sine = 1.0 - t * t / 6.0;
+      versine = t / 2.0;
+      d_sine = -t / 3.0;
+      d_versine = 0.5 - t * t / 8.0;
+    } else {
+      sine = std::sin(t) / t;
+      versine = (1.0 - std::cos(t)) / t;
+      d_sine = (std::cos(t) - sine) / t;
+      d_versine = (std::sin(t) - versine) / t;
+    }
+  }
+};
+
+}  // namespace
+
+MotionModel::MotionModel(const VehicleConfig& vehicle)
+    : geometry_(vehicle.ackermann), noise_(vehicle.noise) {
+  const double share = std::tan(vehicle.max_steering_rad) *
+                       std::abs(geometry_.encoder_offset_left_m) / geometry_.wheelbase_m;
+  if (share >= kLargestWheelShare) {
+    throw ConfigError(
+        {"vehicle: at max_steering_rad the turning centre reaches the encoder's wheel;"
+         " check wheelbase_m, encoder_offset_left_m and max_steering_rad."});
+  }
+}
+
+BodyVelocity MotionModel::velocity(const AckermannInput& input,
+                                   const Calibration& calibration) const {
+  const double L = geometry_.wheelbase_m, H = geometry_.encoder_offset_left_m;
+  const double steering = calibration.turn_scale * input.steering_rad + calibration.turn_offset;
+  double t = std::tan(std::clamp(steering, -1.4, 1.4));
+  if (t * H / L > kLargestWheelShare) t = kLargestWheelShare * L / H;
+  const double D = 1.0 - t * H / L;
+
+  BodyVelocity v;
+  v.forward_mps = calibration.speed_scale * input.speed_mps / D;
+  v.yaw_rate_radps = v.forward_mps * t / L;
+
+  const Eigen::Vector2d d_speed(1.0 / D,
+                                t / (L * D));  // of (forward, yaw rate) by the wheel's speed
+  const double d_forward_by_t = v.forward_mps * H / (L * D);
+  const Eigen::Vector2d d_steering =
+      (1.0 + t * t) * Eigen::Vector2d(d_forward_by_t, (v.forward_mps + t * d_forward_by_t) / L);
+  Eigen::Matrix<double, 2, 3> J_c;
+  J_c << input.speed_mps * d_speed, input.steering_rad * d_steering, d_steering;
+  v.J_calibration.row(0) = J_c.row(0);
+  v.J_calibration.row(2) = J_c.row(1);
+
+  const double tau = noise_.correlation_time_s;
+  const double q_speed = densityOf(noise_.speed_deviation_mps, tau) +
+                         densityOf(noise_.speed_deviation_relative * input.speed_mps, tau);
+  const double q_steering = densityOf(noise_.steering_deviation_rad, tau);
+  const Eigen::Matrix2d Q =
+      q_speed * d_speed * d_speed.transpose() + q_steering * d_steering * d_steering.transpose();
+  v.density << Q(0, 0), 0.0, Q(0, 1),                                               //
+      0.0, densityOf(noise_.lateral_deviation_relative * v.forward_mps, tau), 0.0,  //
+      Q(1, 0), 0.0, Q(1, 1);
+  return v;
+}
+
+BodyVelocity MotionModel::velocity(const TwistInput& input, const Calibration& calibration) const {
+  BodyVelocity v;
+  v.forward_mps = calibration.speed_scale * input.forward_mps;
+  v.lateral_mps = calibration.speed_scale * input.lateral_mps;
+  v.yaw_rate_radps = calibration.turn_scale * input.yaw_rate_radps + calibration.turn_offset;
+  v.J_calibration << input.forward_mps, 0.0, 0.0,  //
+      input.lateral_mps, 0.0, 0.0,                 //
+      0.0, input.yaw_rate_radps, 1.0;
+
+  const double tau = noise_.correlation_time_s;
+  const double speed = std::hypot(input.forward_mps, input.lateral_mps);
+  const double q_speed = densityOf(noise_.speed_deviation_mps, tau) +
+                         densityOf(noise_.speed_deviation_relative * speed, tau);
+  const double q_yaw_rate =
+      densityOf(noise_.yaw_rate_deviation_radps, tau) +
+      densityOf(noise_.yaw_rate_deviation_relative * input.yaw_rate_radps, tau);
+  const double q_lateral = densityOf(noise_.lateral_deviation_relative * speed, tau) +
+                           (speed > 0.0 ? q_speed * square(input.lateral_mps / speed) : 0.0);
+  v.density.diagonal() << q_speed, q_lateral, q_yaw_rate;
+  return v;
+}
+
+BodyVelocity MotionModel::velocity(const MotionInput& input, const Calibration& calibration) const {
+  return std::visit([&](const auto& value) { return velocity(value, calibration); }, input);
+}
+
+MotionStep MotionModel::step(const Pose2& pose, const MotionInput& input,
+                             const Calibration& calibration, double age_s,
+                             double duration_s) const {
+  const BodyVelocity v = velocity(input, calibration);
+  const double turn = v.yaw_rate_radps * duration_s;
+  const ArcFactors arc(turn);
+  const Eigen::Vector2d chord(v.forward_mps * duration_s, v.lateral_mps * duration_s);
+  const Eigen::Matrix2d V =
+      (Eigen::Matrix2d() << arc.sine, -arc.versine, arc.versine, arc.sine).finished();
+  const Eigen::Matrix2d dV =
+      (Eigen::Matrix2d() << arc.d_sine, -arc.d_versine, arc.d_versine, arc.d_sine).finished();
+  const Eigen::Matrix2d R = pose.rotation();
+  const Eigen::Vector2d moved = R * V * chord;
+
+  MotionStep step;
+  step.pose = {pose.x_m + moved.x(), pose.y_m + moved.y(), wrapAngle(pose.yaw_rad + turn)};
+  step.J_pose(0, 2) = -moved.y();
+  step.J_pose(1, 2) = moved.x();
+
+  Eigen::Matrix3d J_velocity = Eigen::Matrix3d::Zero();
+  J_velocity.topLeftCorner<2, 2>() = R * V * duration_s;
+  J_velocity.topRightCorner<2, 1>() = R * dV * chord * duration_s;
+  J_velocity(2, 2) = duration_s;
+  step.J_calibration = J_velocity * v.J_calibration;
+  Eigen::Matrix3d density = v.density;
+  density.diagonal() += gapDensity(age_s + duration_s);
+  // White noise of the velocity: its covariance over the step is density / duration.
+  if (duration_s > 0.0) {
+    step.noise = J_velocity * density * J_velocity.transpose() / duration_s;
+  }
+  return step;
+}
+
+Eigen::Vector3d MotionModel::gapDensity(double age_s) const {
+  const double beyond_s = age_s - noise_.hold_limit_s;
+  if (beyond_s <= 0.0) return Eigen::Vector3d::Zero();
+  // The error of an input that never came persists through the whole gap.
+  const double tau = std::max(beyond_s, noise_.correlation_time_s);
+  const double q_speed = densityOf(noise_.gap_acceleration_mps2 * beyond_s, tau);
+  return {q_speed, 0.0, densityOf(noise_.gap_yaw_rate_deviation_radps, tau)};
+}
+
+}  // namespace hymm::core
