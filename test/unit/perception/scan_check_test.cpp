@@ -1,0 +1,94 @@
+#include "perception/scan_check.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+
+#include "common/angles.h"
+
+namespace hymm::core {
+namespace {
+
+using testing::HasSubstr;
+using testing::Optional;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr float kInfF = std::numeric_limits<float>::infinity();
+constexpr float kNanF = std::numeric_limits<float>::quiet_NaN();
+
+LaserScan goodScan() {
+  LaserScan scan;
+  scan.time_s = 12.5;
+  scan.angle_min_rad = -kPi / 2.0;
+  scan.angle_increment_rad = kPi / 360.0;
+  scan.range_max_m = 80.0;
+  scan.ranges_m.assign(361, 5.0F);
+  return scan;
+}
+
+TEST(ScanProblem, IsNothingForAUsableScan) {
+  EXPECT_EQ(scanProblem(goodScan()), std::nullopt);
+  LaserScan reversed = goodScan();
+  reversed.angle_increment_rad = -reversed.angle_increment_rad;
+  EXPECT_EQ(scanProblem(reversed), std::nullopt);
+}
+
+TEST(ScanProblem, AllowsAnythingInSingleRanges) {
+  LaserScan scan = goodScan();
+  scan.ranges_m = {kInfF, -kInfF, kNanF, -1.0F};
+  EXPECT_EQ(scanProblem(scan), std::nullopt);
+}
+
+TEST(ScanProblem, NamesStampThatIsNotFinite) {
+  LaserScan scan = goodScan();
+  scan.time_s = kNan;
+  EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("stamp is nan")));
+}
+
+TEST(ScanProblem, NamesBadAngles) {
+  LaserScan scan = goodScan();
+  scan.angle_min_rad = kNan;
+  EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("angle_min is nan")));
+  scan = goodScan();
+  scan.angle_increment_rad = 0.0;
+  EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("angle_increment is 0")));
+}
+
+TEST(ScanProblem, RefusesMoreThanOneTurnButNotARepeatedBeam) {
+  LaserScan scan = goodScan();
+  scan.ranges_m.assign(721, 5.0F);
+  EXPECT_EQ(scanProblem(scan), std::nullopt);
+  scan.ranges_m.assign(722, 5.0F);
+  EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("more than one turn")));
+}
+
+TEST(ScanProblem, NamesRangeLimitsOutOfOrder) {
+  LaserScan scan = goodScan();
+  scan.range_min_m = 90.0;
+  EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("range_min is 90 m and range_max 80 m")));
+  scan = goodScan();
+  scan.range_min_m = -0.1;
+  EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("range_min is -0.1 m")));
+  scan = goodScan();
+  scan.range_max_m = kNan;
+  EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("range_max nan m")));
+}
+
+TEST(ScanProblem, NamesWrongLengths) {
+  LaserScan scan = goodScan();
+  scan.intensities.assign(360, 0.0F);
+  EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("intensities has 360 values and ranges 361")));
+  scan.intensities.clear();
+  scan.ranges_m.clear();
+  EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("ranges is empty")));
+}
+
+TEST(InvalidRanges, CountsNegativeRangesOnly) {
+  LaserScan scan = goodScan();
+  scan.ranges_m = {kInfF, -kInfF, kNanF, -1.0F, 0.0F, 3.0F, -0.001F};
+  EXPECT_EQ(invalidRanges(scan), 2U);
+}
+
+}  // namespace
+}  // namespace hymm::core
