@@ -27,14 +27,14 @@ struct PoseEstimate {
 /// How well the filter explains what the sensors say. Shares are between 0 and 1.
 struct FilterHealth {
   double time_s = 0.0;
-  double nis = 0.0;          ///< normalised innovation squared of the scan's joint update
-  int dof = 0;               ///< its degrees of freedom; 0 when nothing was associated
-  double ambiguity = 0.0;    ///< observations with two or more compatible landmarks
-  double unexplained = 0.0;  ///< observations that no landmark explains
-  double missed = 0.0;       ///< landmarks that should have been seen and were not
-  double position_deviation_m = 0.0;   ///< largest, of the vehicle
+  double nis = 0.0;                   ///< normalised innovation squared of the scan's joint update
+  int dof = 0;                        ///< its degrees of freedom; 0 when nothing was associated
+  double ambiguity = 0.0;             ///< observations with two or more compatible landmarks
+  double unexplained = 0.0;           ///< observations that no landmark explains
+  double missed = 0.0;                ///< landmarks that should have been seen and were not
+  double position_deviation_m = 0.0;  ///< largest, of the vehicle
   double heading_deviation_rad = 0.0;
-  double latency_ms = 0.0;   ///< wall time of processing the scan
+  double latency_ms = 0.0;  ///< wall time of processing the scan
 };
 
 /// What became of one observation.
@@ -62,11 +62,11 @@ class CekfSlam {
  public:
   /// Counts since construction; reset() does not clear them.
   struct Counts {
-    std::size_t scans = 0;             ///< accepted scans and observation sets
+    std::size_t scans = 0;  ///< accepted scans and observation sets
     std::size_t refused_scans = 0;
-    std::size_t refused_motion = 0;    ///< non-finite, or not later than the last
+    std::size_t refused_motion = 0;        ///< non-finite, or not later than the last
     std::size_t refused_observations = 0;  ///< non-finite, or with unusable covariance
-    std::size_t motion_gaps = 0;       ///< times the motion input was older than hold_limit_s
+    std::size_t motion_gaps = 0;           ///< times the motion input was older than hold_limit_s
     std::size_t scans_without_motion = 0;
     std::size_t observations = 0;
     std::size_t associated = 0;
@@ -77,7 +77,7 @@ class CekfSlam {
     std::size_t landmarks_dropped = 0;
     std::size_t landmarks_merged = 0;
     std::size_t area_switches = 0;
-    std::size_t map_corrections = 0;   ///< scans that moved an active landmark by over 0.5 m
+    std::size_t map_corrections = 0;  ///< scans that moved an active landmark by over 0.5 m
     std::size_t resets = 0;
   };
 

@@ -13,11 +13,11 @@ namespace hymm::core {
 struct LandmarkEstimate {
   int id = -1;
   LandmarkType type = LandmarkType::kUnknown;
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();          ///< m
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();    ///< m^2
-  double diameter_m = 0.0;                                     ///< NaN where unknown
-  double diameter_variance = 0.0;                              ///< m^2, NaN where unknown
-  int observations = 0;                                        ///< that updated it
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();        ///< m
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< m^2
+  double diameter_m = 0.0;                                   ///< NaN where unknown
+  double diameter_variance = 0.0;                            ///< m^2, NaN where unknown
+  int observations = 0;                                      ///< that updated it
   double last_seen_s = 0.0;
 };
 
@@ -39,7 +39,7 @@ struct LandmarkMap {
   std::uint64_t version = 0;  ///< grows with each change
   double time_s = 0.0;
   std::vector<LandmarkEstimate> landmarks;
-  std::vector<LandmarkMerge> merges;          ///< all since the start
+  std::vector<LandmarkMerge> merges;               ///< all since the start
   std::vector<CrossCovariance> cross_covariances;  ///< pairs within the range asked for
 };
 
