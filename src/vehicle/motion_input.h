@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <variant>
+
+#include <Eigen/Core>
 
 namespace hymm::core {
 
@@ -18,6 +21,9 @@ struct TwistInput {
   double forward_mps = 0.0;
   double lateral_mps = 0.0;  ///< left positive
   double yaw_rate_radps = 0.0;
+  /// Noise of (forward, lateral, yaw rate), (unit)^2 * s, where the source states it; it then takes
+  /// the place of MotionNoise. Over a step of T seconds the velocity's covariance is density / T.
+  std::optional<Eigen::Matrix3d> density = std::nullopt;
 };
 
 using MotionInput = std::variant<AckermannInput, TwistInput>;
@@ -33,7 +39,8 @@ inline bool isFinite(const MotionInput& input) {
     }
     bool operator()(const TwistInput& i) const {
       return std::isfinite(i.time_s) && std::isfinite(i.forward_mps) &&
-             std::isfinite(i.lateral_mps) && std::isfinite(i.yaw_rate_radps);
+             std::isfinite(i.lateral_mps) && std::isfinite(i.yaw_rate_radps) &&
+             (!i.density || i.density->allFinite());
     }
   };
   return std::visit(Check{}, input);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/error.h"
+#include "vehicle/arc.h"
 
 namespace hymm::core {
 namespace {
@@ -12,34 +13,12 @@ namespace {
 // formula of the paper's vehicle while the car turns around it.
 constexpr double kLargestWheelShare = 0.9;
 
-// Below this turn the series of sin(t)/t and (1 - cos(t))/t is exact to rounding.
-constexpr double kSmallTurn_rad = 1e-4;
-
 double square(double value) { return value * value; }
 
 /// Density [unit^2 s] of an error with this deviation that persists over `correlation_time_s`.
 double densityOf(double deviation, double correlation_time_s) {
   return 2.0 * square(deviation) * correlation_time_s;
 }
-
-/// sin(t)/t, (1 - cos(t))/t and their derivatives: displacement along an arc that turns by t.
-struct ArcFactors {
-  double sine, versine, d_sine, d_versine;
-
-  explicit ArcFactors(double t) {
-    if (std::abs(t) < kSmallTurn_rad) {
-      sine = 1.0 - t * t / 6.0;
-      versine = t / 2.0;
-      d_sine = -t / 3.0;
-      d_versine = 0.5 - t * t / 8.0;
-    } else {
-      sine = std::sin(t) / t;
-      versine = (1.0 - std::cos(t)) / t;
-      d_sine = (std::cos(t) - sine) / t;
-      d_versine = (std::sin(t) - versine) / t;
-    }
-  }
-};
 
 }  // namespace
 
@@ -97,6 +76,10 @@ BodyVelocity MotionModel::velocity(const TwistInput& input, const Calibration& c
       input.lateral_mps, 0.0, 0.0,                 //
       0.0, input.yaw_rate_radps, 1.0;
 
+  if (input.density) {
+    v.density = *input.density;
+    return v;
+  }
   const double tau = noise_.correlation_time_s;
   const double speed = std::hypot(input.forward_mps, input.lateral_mps);
   const double q_speed = densityOf(noise_.speed_deviation_mps, tau) +
@@ -119,24 +102,18 @@ MotionStep MotionModel::step(const Pose2& pose, const MotionInput& input,
                              double duration_s) const {
   const BodyVelocity v = velocity(input, calibration);
   const double turn = v.yaw_rate_radps * duration_s;
-  const ArcFactors arc(turn);
+  const Arc arc(turn);
   const Eigen::Vector2d chord(v.forward_mps * duration_s, v.lateral_mps * duration_s);
-  const Eigen::Matrix2d V =
-      (Eigen::Matrix2d() << arc.sine, -arc.versine, arc.versine, arc.sine).finished();
-  const Eigen::Matrix2d dV =
-      (Eigen::Matrix2d() << arc.d_sine, -arc.d_versine, arc.d_versine, arc.d_sine).finished();
   const Eigen::Matrix2d R = pose.rotation();
-  const Eigen::Vector2d moved = R * V * chord;
+  const Eigen::Vector2d moved = R * arc.V() * chord;
 
   MotionStep step;
   step.pose = {pose.x_m + moved.x(), pose.y_m + moved.y(), wrapAngle(pose.yaw_rad + turn)};
   step.J_pose(0, 2) = -moved.y();
   step.J_pose(1, 2) = moved.x();
 
-  Eigen::Matrix3d J_velocity = Eigen::Matrix3d::Zero();
-  J_velocity.topLeftCorner<2, 2>() = R * V * duration_s;
-  J_velocity.topRightCorner<2, 1>() = R * dV * chord * duration_s;
-  J_velocity(2, 2) = duration_s;
+  Eigen::Matrix3d J_velocity = arc.velocityJacobian(chord, duration_s);
+  J_velocity.topRows<2>() = R * J_velocity.topRows<2>().eval();
   step.J_calibration = J_velocity * v.J_calibration;
   Eigen::Matrix3d density = v.density;
   density.diagonal() += gapDensity(age_s + duration_s);
