@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pipeline/sensor_event.h"
+#include "simulation/simulation_config.h"
+#include "vehicle/motion_model.h"
+
+namespace hymm::core {
+
+/// A landmark as it stands in the world: something slim that sensors can find again.
+struct TrueLandmark {
+  int id = -1;
+  LandmarkType type = LandmarkType::kUnknown;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of its centre in map, m
+  double diameter_m = 0.0;
+};
+
+/// The static solid world as cells in map axes: row-major from the corner of least x and y.
+struct TrueOccupancy {
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< least corner of cell (0, 0) in map, m
+  double resolution_m = 0.0;
+  int width = 0;   ///< cells along x
+  int height = 0;  ///< cells along y
+  std::vector<bool> occupied;
+};
+
+/// One sensor event and what was true when it happened.
+struct SimulatedEvent {
+  SensorEvent event;
+  Pose2 T_map_base;
+  /// Of a scan: the landmark that each beam truly met first, or -1. Empty for other events.
+  std::vector<int> beam_landmarks;
+};
+
+/// A vehicle with its sensors driving through a world: an ordered stream of sensor events, with
+/// truth. A pure function of configuration, vehicle and seed. The map frame stands at the first
+/// pose of base_link with heading 0, as hymm's does; time begins at kStartTime_s, at rest.
+///
+///   Simulation simulation(config, vehicle, seed);
+///   while (auto simulated = simulation.next()) filter.process(simulated->event);
+class Simulation {
+ public:
+  static constexpr double kStartTime_s = 1.0;
+
+  /// Throws ConfigError for a configuration or vehicle that cannot be simulated.
+  Simulation(const SimulationConfig& config, const VehicleConfig& vehicle, std::uint64_t seed);
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+
+  /// The next event, ordered by time (of equal times motion comes first); nothing at the end.
+  std::optional<SimulatedEvent> next();
+
+  /// Share of the drive that is done, 0 to 1.
+  double progress() const;
+
+  /// All landmarks of the world, by id, which counts from 0.
+  const std::vector<TrueLandmark>& landmarks() const;
+
+  TrueOccupancy occupancy(double resolution_m) const;
+
+  /// What really maps the encoders' readings to speed and steering (or yaw rate).
+  const Calibration& calibration() const;
+
+  /// Places map in the local east-north frame of the GPS fixes.
+  const Pose2& T_enu_map() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Names of the worlds, for instance for a list of choices.
+std::vector<std::string> worldNames();
+
+}  // namespace hymm::core
