@@ -122,7 +122,13 @@ class ConfigReader {
 
   void warnUnknown(const std::string& path) {
     std::vector<std::string> known;
-    for (const auto& entry : schema_.entries()) known.push_back(entry.path);
+    for (const auto& entry : schema_.entries()) {
+      known.push_back(entry.path);
+      for (std::size_t dot = entry.path.find('.'); dot != std::string::npos;
+           dot = entry.path.find('.', dot + 1)) {
+        known.push_back(entry.path.substr(0, dot));  // a group
+      }
+    }
     std::string sentence = origin_ + ": unknown parameter '" + path + "' is ignored";
     const std::string nearest = nearestName(path, known);
     if (!nearest.empty()) sentence += "; did you mean '" + nearest + "'?";

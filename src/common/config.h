@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -80,7 +81,7 @@ void readConfig(const YAML::Node& node, Config& config, const std::string& origi
                 ConfigReport& report) {
   ConfigSchema schema;
   config.describe(schema);
-  readConfig(node, schema, origin, report);
+  readConfig(node, std::as_const(schema), origin, report);
 }
 
 /// Of `names`, the one that differs from `name` by the fewest edits; empty if there are none.

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -25,13 +26,23 @@ class TemporaryFolder {
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// Writes a file into the folder and returns its path.
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+  /// Writes a file into the folder, or a folder in it, and returns its path.
   std::filesystem::path write(const std::string& name, const std::string& content) const {
     const std::filesystem::path file = path_ / name;
+    std::filesystem::create_directories(file.parent_path());
     std::ofstream stream(file, std::ios::binary);
     stream << content;
     if (!stream.flush()) throw std::runtime_error("cannot write " + file.string());
     return file;
+  }
+
+  /// The whole of a file in the folder.
+  std::string read(const std::string& name) const {
+    std::ostringstream content;
+    content << std::ifstream(path_ / name, std::ios::binary).rdbuf();
+    return content.str();
   }
 
  private:
