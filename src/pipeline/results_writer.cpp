@@ -1,0 +1,214 @@
+#include "pipeline/results_writer.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include "common/error.h"
+#include "common/json.h"
+#include "common/number_text.h"
+
+namespace hymm::core {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What `map_corrections` counts, as CekfSlam::Counts does.
+constexpr double kMapCorrection_m = 0.5;
+
+std::string field(double value) { return numberText(value); }
+std::string field(int value) { return std::to_string(value); }
+std::string field(std::size_t value) { return std::to_string(value); }
+
+/// A text as a CSV field: quoted where a comma, a quote or a line break would break the line.
+std::string field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+template <class First, class... Rest>
+void writeLine(std::ostream& file, char separator, const First& first, const Rest&... rest) {
+  std::string line = field(first);
+  ((line += separator, line += field(rest)), ...);
+  file << line << '\n';
+}
+
+std::string typeName(LandmarkType type) {
+  switch (type) {
+    case LandmarkType::kTrunk:
+      return "trunk";
+    case LandmarkType::kReflector:
+      return "reflector";
+    case LandmarkType::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+JsonObject latencyJson(const LatencyHistogram& latency) {
+  JsonObject json;
+  json.add("p50", latency.quantile(0.5)).add("p95", latency.quantile(0.95));
+  json.add("p99", latency.quantile(0.99)).add("p999", latency.quantile(0.999));
+  json.add("max", latency.max());
+  return json;
+}
+
+}  // namespace
+
+ScanRecord scanRecord(const ScanOutcome& outcome, const std::string& mode) {
+  ScanRecord record;
+  record.pose = outcome.pose;
+  record.health = outcome.health;
+  record.mode = mode;
+  record.observations = outcome.associations.size();
+  for (const Association& association : outcome.associations) {
+    if (association.landmark_id >= 0) ++record.associated;
+    if (association.landmark_id == Association::kRejected) ++record.rejected;
+  }
+  record.largest_correction_m = outcome.largest_correction_m;
+  return record;
+}
+
+ResultsWriter::ResultsWriter(const std::string& folder) : folder_(folder) {
+  std::error_code problem;
+  fs::create_directories(folder_, problem);
+  if (problem) throw OutputError(folder_ + ": cannot be made: " + problem.message() + ".");
+  fs::remove(fs::path(folder_) / "summary.json", problem);
+  trajectory_ = open("trajectory.tum");
+  covariance_ = open("pose_covariance.csv");
+  health_ = open("health.csv");
+  gps_ = open("gps.csv");
+  events_ = open("events.csv");
+  covariance_ << "t,xx,xy,xyaw,yy,yyaw,yawyaw\n";
+  health_ << "t,nis,dof,ambiguity,unexplained,missed,latency_ms,mode\n";
+  gps_ << "t,x,y,cxx,cxy,cyy\n";
+  events_ << "t,scan,event,mode,reason\n";
+}
+
+void ResultsWriter::addScan(const ScanRecord& record) {
+  const double t = record.pose.time_s;
+  const Pose2& pose = record.pose.T_map_base;
+  const Eigen::Matrix3d& P = record.pose.covariance;
+  const FilterHealth& health = record.health;
+  writeLine(trajectory_, ' ', t, pose.x_m, pose.y_m, 0, 0, 0, std::sin(pose.yaw_rad / 2.0),
+            std::cos(pose.yaw_rad / 2.0));
+  writeLine(covariance_, ',', t, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2));
+  writeLine(health_, ',', t, health.nis, health.dof, health.ambiguity, health.unexplained,
+            health.missed, health.latency_ms, record.mode);
+  mode_ = record.mode;
+  ++scans_;
+  if (!first_s_) first_s_ = t;
+  last_s_ = t;
+  observations_ += record.observations;
+  associated_ += record.associated;
+  rejected_ += record.rejected;
+  if (record.largest_correction_m > kMapCorrection_m) ++map_corrections_;
+  nis_ += health.nis;
+  dof_ += health.dof;
+  latency_.add(health.latency_ms);
+  gps_alignment_.addPose({t, pose});
+}
+
+void ResultsWriter::addGps(const GpsFix& fix) {
+  const Eigen::Matrix2d& C = fix.covariance;
+  writeLine(gps_, ',', fix.time_s, fix.position.x(), fix.position.y(), C(0, 0), C(0, 1), C(1, 1));
+  ++gps_fixes_;
+  gps_alignment_.addFix(fix);
+}
+
+void ResultsWriter::addModeSwitch(double time_s, const std::string& mode,
+                                  const std::string& reason) {
+  mode_ = mode;
+  ++mode_switches_;
+  addEvent(time_s, "mode_switch", reason);
+}
+
+void ResultsWriter::addReset(double time_s, const std::string& reason) {
+  ++resets_;
+  addEvent(time_s, "reset", reason);
+  gps_alignment_.startMap();
+  if (first_s_) duration_s_ += *last_s_ - *first_s_;
+  first_s_.reset();
+  last_s_.reset();
+}
+
+void ResultsWriter::addEvent(double time_s, const char* event, const std::string& reason) {
+  writeLine(events_, ',', time_s, scans_, std::string(event), mode_, reason);
+}
+
+void ResultsWriter::finish(const LandmarkMap& map, const RunTotals& totals) {
+  close(trajectory_, "trajectory.tum");
+  close(covariance_, "pose_covariance.csv");
+  close(health_, "health.csv");
+  close(gps_, "gps.csv");
+  close(events_, "events.csv");
+  writeLandmarks(map);
+  writeSummary(map, totals);
+}
+
+void ResultsWriter::writeLandmarks(const LandmarkMap& map) {
+  std::ofstream file = open("landmarks.csv");
+  file << "id,type,x,y,cxx,cxy,cyy,diameter,observations\n";
+  for (const LandmarkEstimate& landmark : map.landmarks) {
+    const Eigen::Matrix2d& C = landmark.covariance;
+    writeLine(file, ',', landmark.id, typeName(landmark.type), landmark.position.x(),
+              landmark.position.y(), C(0, 0), C(0, 1), C(1, 1), landmark.diameter_m,
+              landmark.observations);
+  }
+  close(file, "landmarks.csv");
+}
+
+void ResultsWriter::writeSummary(const LandmarkMap& map, const RunTotals& totals) {
+  const double duration_s = duration_s_ + (first_s_ ? *last_s_ - *first_s_ : 0.0);
+  JsonObject cpu;
+  for (const auto& [subsystem, seconds] : totals.subsystem_cpu_s) cpu.add(subsystem, seconds);
+  JsonObject json;
+  json.add("scans", scans_).add("duration_s", duration_s);
+  json.add("wall_s", totals.wall_s).add("cpu_s", totals.cpu_s);
+  json.add("real_time_factor", duration_s / totals.wall_s);
+  json.add("peak_rss_mb", totals.peak_rss_mb);
+  json.add("landmarks", map.landmarks.size()).add("ltrs", std::size_t{0});
+  json.add("observations", observations_).add("associated", associated_);
+  json.add("rejected", rejected_);
+  json.add("scan_latency_ms", latencyJson(latency_)).add("subsystem_cpu_s", cpu);
+  json.add("nis_mean", dof_ > 0 ? std::optional(nis_ / static_cast<double>(dof_)) : std::nullopt);
+  json.add("gps_rmse_m", gps_alignment_.rmse());
+  json.add("map_corrections", map_corrections_).add("mode_switches", mode_switches_);
+  json.add("dropped_scans", totals.dropped_scans);
+  json.add("resets", resets_).add("gps_fixes", gps_fixes_);
+  json.add("gps_fixes_compared", gps_alignment_.count());
+  if (totals.gps_antenna_m) {
+    json.add("gps_antenna_m", std::vector{totals.gps_antenna_m->x(), totals.gps_antenna_m->y()});
+  } else {
+    json.addNull("gps_antenna_m");
+  }
+  json.add("seed", std::size_t{totals.seed}).add("notes", totals.notes);
+
+  std::ofstream file = open("summary.json.part");
+  file << json.text() << '\n';
+  close(file, "summary.json.part");
+  std::error_code problem;
+  fs::rename(fs::path(folder_) / "summary.json.part", fs::path(folder_) / "summary.json", problem);
+  if (problem) throw OutputError(folder_ + "/summary.json: " + problem.message() + ".");
+}
+
+std::ofstream ResultsWriter::open(const std::string& name) const {
+  const fs::path path = fs::path(folder_) / name;
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (!file) throw OutputError(path.string() + ": cannot be opened for writing.");
+  return file;
+}
+
+void ResultsWriter::close(std::ofstream& file, const std::string& name) const {
+  file.close();
+  if (!file) {
+    throw OutputError((fs::path(folder_) / name).string() +
+                      ": could not be written whole; is the disk full?");
+  }
+}
+
+}  // namespace hymm::core

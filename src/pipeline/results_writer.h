@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cekf/cekf_slam.h"
+#include "cekf/landmark_map.h"
+#include "evaluation/gps_alignment.h"
+#include "pipeline/latency_histogram.h"
+#include "pipeline/sensor_event.h"
+
+namespace hymm::core {
+
+/// One scan (or observation set) that the filter took.
+struct ScanRecord {
+  PoseEstimate pose;
+  FilterHealth health;
+  std::string mode;  ///< of the supervisor: which filter is in charge
+  std::size_t observations = 0;
+  std::size_t associated = 0;         ///< observations that updated a landmark
+  std::size_t rejected = 0;           ///< observations that neither updated nor began a landmark
+  double largest_correction_m = 0.0;  ///< of an active landmark, by this scan
+};
+
+/// The record of an accepted scan.
+ScanRecord scanRecord(const ScanOutcome& outcome, const std::string& mode);
+
+/// What only the end of a run knows.
+struct RunTotals {
+  double wall_s = 0.0;  ///< from the start, reading and writing included
+  double cpu_s = 0.0;   ///< of the whole process
+  double peak_rss_mb = 0.0;
+  std::size_t dropped_scans = 0;  ///< that came, but have no line in trajectory.tum
+  std::map<std::string, double> subsystem_cpu_s;
+  std::optional<Eigen::Vector2d> gps_antenna_m;  ///< place in base_link; for hymm_evaluate
+  unsigned long seed = 0;
+  std::vector<std::string> notes;  ///< sentences about the input that its reader should know
+};
+
+/// Writes the folder of results that `hymm_offline --output DIR` and `playback.launch output:=DIR`
+/// leave (2_interfaces: trajectory.tum, pose_covariance.csv, landmarks.csv, health.csv, gps.csv,
+/// events.csv, summary.json). Lines go to disk as records come, so that memory does not grow with
+/// the run. Numbers are written with the fewest digits that give the same double back, whatever
+/// the locale. Times that the machine took stand only in latency_ms of health.csv and in wall_s,
+/// cpu_s, real_time_factor, peak_rss_mb, scan_latency_ms and subsystem_cpu_s of summary.json:
+/// everything else is a function of the input.
+class ResultsWriter {
+ public:
+  /// Makes the folder and opens its files; an earlier summary.json is removed, so that the folder
+  /// of a run that did not end has none. Throws OutputError if the folder cannot be written.
+  explicit ResultsWriter(const std::string& folder);
+
+  void addScan(const ScanRecord& record);
+
+  /// A fix, in order of time with the scans, whether or not the filter used it.
+  void addGps(const GpsFix& fix);
+
+  /// The supervisor changed its mode (the mode in which a run begins is no switch).
+  void addModeSwitch(double time_s, const std::string& mode, const std::string& reason);
+
+  /// The filter began a new map: poses from here on are in another map frame.
+  void addReset(double time_s, const std::string& reason);
+
+  /// Writes landmarks.csv and, last of all and at once, summary.json. Throws OutputError if
+  /// anything could not be written (a full disk). Nothing may be added afterwards.
+  void finish(const LandmarkMap& map, const RunTotals& totals);
+
+ private:
+  void addEvent(double time_s, const char* event, const std::string& reason);
+  void writeLandmarks(const LandmarkMap& map);
+  void writeSummary(const LandmarkMap& map, const RunTotals& totals);
+  std::ofstream open(const std::string& name) const;
+  void close(std::ofstream& file, const std::string& name) const;
+
+  std::string folder_;
+  std::ofstream trajectory_, covariance_, health_, gps_, events_;
+  std::string mode_;
+
+  std::size_t scans_ = 0;
+  std::optional<double> first_s_, last_s_;  ///< stamps since the last reset
+  double duration_s_ = 0.0;                 ///< of the recordings before the last reset
+  std::size_t observations_ = 0, associated_ = 0, rejected_ = 0;
+  std::size_t map_corrections_ = 0, mode_switches_ = 0, resets_ = 0, gps_fixes_ = 0;
+  double nis_ = 0.0;
+  long dof_ = 0;
+  LatencyHistogram latency_;
+  GpsAlignment gps_alignment_;
+};
+
+}  // namespace hymm::core

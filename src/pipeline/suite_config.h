@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cekf/cekf_slam_config.h"
+#include "common/config.h"
+#include "vehicle/vehicle_config.h"
+
+namespace hymm::core {
+
+/// Everything that a run of the suite can be told, as YAML holds it: the top-level names are
+/// `vehicle` and the names of the nodes. Default-constructed: the built-in defaults.
+struct SuiteConfig {
+  VehicleConfig vehicle;
+  CekfSlamConfig cekf_slam;
+
+  void describe(ConfigSchema& schema);
+};
+
+/// Reads YAML files in order over the built-in defaults; a later file overrides single parameters
+/// of the earlier ones. `vehicle` is either a group of parameters or a text: a vehicle's name,
+/// found as ../vehicles/NAME.yaml beside the file that names it or as vehicles/NAME.yaml in
+/// `config_folder` (the package's; empty: none), or a path to a YAML file, relative to the file
+/// that names it. A named vehicle replaces whatever vehicle came before.
+///
+/// Problems are collected in `report`, each led by the file it stands in: a file that cannot be
+/// read, a vehicle that cannot be found, wrong types and values out of range are errors; unknown
+/// names are warnings. The result is usable when there are no errors.
+SuiteConfig loadSuiteConfig(const std::vector<std::string>& files, const std::string& config_folder,
+                            ConfigReport& report);
+
+}  // namespace hymm::core

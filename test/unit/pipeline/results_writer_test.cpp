@@ -1,0 +1,170 @@
+#include "pipeline/results_writer.h"
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include "common/error.h"
+#include "support/temporary_folder.h"
+
+namespace hymm::core {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+ScanRecord scanAt(double time_s, double x_m) {
+  ScanRecord record;
+  record.pose.time_s = time_s;
+  record.pose.T_map_base = {x_m, 2.0, kPi / 2.0};
+  record.pose.covariance << 1, 2, 3, 2, 4, 5, 3, 5, 6;
+  record.health.nis = 3.0;
+  record.health.dof = 4;
+  record.health.latency_ms = 0.5;
+  record.mode = "CEKF";
+  record.observations = 5;
+  record.associated = 2;
+  record.rejected = 1;
+  return record;
+}
+
+LandmarkMap oneLandmark() {
+  LandmarkEstimate landmark;
+  landmark.id = 7;
+  landmark.type = LandmarkType::kTrunk;
+  landmark.position = {1.5, -2.5};
+  landmark.covariance << 0.04, 0.01, 0.01, 0.09;
+  landmark.diameter_m = 0.3;
+  landmark.observations = 12;
+  LandmarkMap map;
+  map.landmarks = {landmark};
+  return map;
+}
+
+RunTotals totals() {
+  RunTotals totals;
+  totals.wall_s = 0.5;
+  totals.cpu_s = 0.4;
+  totals.peak_rss_mb = 30.0;
+  totals.subsystem_cpu_s = {{"filter", 0.1}};
+  return totals;
+}
+
+TEST(ResultsWriter, WritesTheFilesWithTheirHeaders) {
+  const test::TemporaryFolder folder;
+  ResultsWriter writer(folder / "a/b");
+  writer.addScan(scanAt(10.25, 1.0));
+  writer.addGps({10.25, {3.0, 4.0}});
+  writer.finish(oneLandmark(), totals());
+  EXPECT_THAT(folder.read("a/b/trajectory.tum"), StartsWith("10.25 1 2 0 0 0 0.7071067811865"));
+  EXPECT_EQ(folder.read("a/b/pose_covariance.csv"),
+            "t,xx,xy,xyaw,yy,yyaw,yawyaw\n10.25,1,2,3,4,5,6\n");
+  EXPECT_EQ(folder.read("a/b/landmarks.csv"),
+            "id,type,x,y,cxx,cxy,cyy,diameter,observations\n"
+            "7,trunk,1.5,-2.5,0.04,0.01,0.09,0.3,12\n");
+  EXPECT_EQ(folder.read("a/b/health.csv"),
+            "t,nis,dof,ambiguity,unexplained,missed,latency_ms,mode\n"
+            "10.25,3,4,0,0,0,0.5,CEKF\n");
+  EXPECT_EQ(folder.read("a/b/gps.csv"), "t,x,y,cxx,cxy,cyy\n10.25,3,4,1,0,1\n");
+  EXPECT_EQ(folder.read("a/b/events.csv"), "t,scan,event,mode,reason\n");
+}
+
+TEST(ResultsWriter, SummaryHoldsEveryKeyOfTheContract) {
+  const test::TemporaryFolder folder;
+  ResultsWriter writer(folder / "");
+  for (int i = 0; i < 4; ++i) writer.addScan(scanAt(i, i));
+  writer.finish(oneLandmark(), totals());
+  const YAML::Node summary = YAML::Load(folder.read("summary.json"));
+  for (const char* key :
+       {"scans", "duration_s", "wall_s", "cpu_s", "real_time_factor", "peak_rss_mb", "landmarks",
+        "ltrs", "observations", "associated", "rejected", "scan_latency_ms", "subsystem_cpu_s",
+        "nis_mean", "gps_rmse_m", "map_corrections", "mode_switches", "dropped_scans"}) {
+    EXPECT_TRUE(summary[key]) << key;
+  }
+  for (const char* key : {"p50", "p95", "p99", "p999", "max"}) {
+    EXPECT_EQ(summary["scan_latency_ms"][key].as<double>(), 0.5) << key;
+  }
+  EXPECT_EQ(summary["scans"].as<int>(), 4);
+  EXPECT_EQ(summary["duration_s"].as<double>(), 3.0);
+  EXPECT_EQ(summary["real_time_factor"].as<double>(), 6.0);
+  EXPECT_EQ(summary["observations"].as<int>(), 20);
+  EXPECT_EQ(summary["associated"].as<int>(), 8);
+  EXPECT_EQ(summary["rejected"].as<int>(), 4);
+  EXPECT_EQ(summary["nis_mean"].as<double>(), 0.75);
+  EXPECT_EQ(summary["landmarks"].as<int>(), 1);
+  EXPECT_TRUE(summary["gps_rmse_m"].IsNull());
+}
+
+TEST(ResultsWriter, DurationLeavesOutTheJumpBetweenRecordings) {
+  const test::TemporaryFolder folder;
+  ResultsWriter writer(folder / "");
+  writer.addScan(scanAt(100.0, 0.0));
+  writer.addScan(scanAt(110.0, 1.0));
+  writer.addReset(5.0, "the clock ran back");
+  writer.addScan(scanAt(5.0, 0.0));
+  writer.addScan(scanAt(8.0, 1.0));
+  writer.finish({}, totals());
+  const YAML::Node summary = YAML::Load(folder.read("summary.json"));
+  EXPECT_EQ(summary["scans"].as<int>(), 4);
+  EXPECT_EQ(summary["duration_s"].as<double>(), 13.0);
+  EXPECT_EQ(summary["resets"].as<int>(), 1);
+  EXPECT_THAT(folder.read("events.csv"), HasSubstr("\n5,2,reset,CEKF,the clock ran back\n"));
+}
+
+TEST(ResultsWriter, QuotesReasonsThatHoldCommas) {
+  const test::TemporaryFolder folder;
+  ResultsWriter writer(folder / "");
+  writer.addModeSwitch(1.0, "LOST", "so it is, \"lost\"");
+  writer.finish({}, totals());
+  EXPECT_THAT(folder.read("events.csv"),
+              HasSubstr("\n1,0,mode_switch,LOST,\"so it is, \"\"lost\"\"\"\n"));
+}
+
+TEST(ResultsWriter, ARunWithoutScansHasAnEmptySummary) {
+  const test::TemporaryFolder folder;
+  ResultsWriter writer(folder / "");
+  writer.finish({}, totals());
+  const YAML::Node summary = YAML::Load(folder.read("summary.json"));
+  EXPECT_EQ(summary["scans"].as<int>(), 0);
+  EXPECT_EQ(summary["duration_s"].as<double>(), 0.0);
+  EXPECT_TRUE(summary["nis_mean"].IsNull());
+}
+
+TEST(ResultsWriter, RemovesTheSummaryOfAnEarlierRun) {
+  const test::TemporaryFolder folder;
+  folder.write("summary.json", "{}");
+  const ResultsWriter writer(folder / "");
+  EXPECT_FALSE(std::filesystem::exists(folder / "summary.json"));
+}
+
+TEST(ResultsWriter, LinesReachTheDiskWhileTheRunGoesOn) {
+  const test::TemporaryFolder folder;
+  ResultsWriter writer(folder / "");
+  for (int i = 0; i < 1000; ++i) writer.addScan(scanAt(i, i));
+  EXPECT_GT(folder.read("trajectory.tum").size(), 10000u);
+}
+
+TEST(ResultsWriter, TellsThatAFolderCannotBeWritten) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.write("file", "");
+  try {
+    ResultsWriter writer(file + "/results");
+    FAIL() << "made a folder below a file";
+  } catch (const OutputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(file + "/results"));
+  }
+}
+
+TEST(ScanRecord, CountsWhatBecameOfTheObservations) {
+  ScanOutcome outcome;
+  outcome.associations = {{0}, {12}, {Association::kTentative}, {Association::kRejected}};
+  const ScanRecord record = scanRecord(outcome, "CEKF");
+  EXPECT_EQ(record.observations, 4u);
+  EXPECT_EQ(record.associated, 2u);
+  EXPECT_EQ(record.rejected, 1u);
+}
+
+}  // namespace
+}  // namespace hymm::core
