@@ -12,9 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What `map_corrections` counts, as CekfSlam::Counts does.
-constexpr double kMapCorrection_m = 0.5;
-
 std::string field(double value) { return numberText(value); }
 std::string field(int value) { return std::to_string(value); }
 std::string field(std::size_t value) { return std::to_string(value); }
@@ -59,20 +56,6 @@ JsonObject latencyJson(const LatencyHistogram& latency) {
 
 }  // namespace
 
-ScanRecord scanRecord(const ScanOutcome& outcome, const std::string& mode) {
-  ScanRecord record;
-  record.pose = outcome.pose;
-  record.health = outcome.health;
-  record.mode = mode;
-  record.observations = outcome.associations.size();
-  for (const Association& association : outcome.associations) {
-    if (association.landmark_id >= 0) ++record.associated;
-    if (association.landmark_id == Association::kRejected) ++record.rejected;
-  }
-  record.largest_correction_m = outcome.largest_correction_m;
-  return record;
-}
-
 ResultsWriter::ResultsWriter(const std::string& folder) : folder_(folder) {
   std::error_code problem;
   fs::create_directories(folder_, problem);
@@ -103,10 +86,6 @@ void ResultsWriter::addScan(const ScanRecord& record) {
   ++scans_;
   if (!first_s_) first_s_ = t;
   last_s_ = t;
-  observations_ += record.observations;
-  associated_ += record.associated;
-  rejected_ += record.rejected;
-  if (record.largest_correction_m > kMapCorrection_m) ++map_corrections_;
   nis_ += health.nis;
   dof_ += health.dof;
   latency_.add(health.latency_ms);
@@ -172,12 +151,12 @@ void ResultsWriter::writeSummary(const LandmarkMap& map, const RunTotals& totals
   json.add("real_time_factor", duration_s / totals.wall_s);
   json.add("peak_rss_mb", totals.peak_rss_mb);
   json.add("landmarks", map.landmarks.size()).add("ltrs", std::size_t{0});
-  json.add("observations", observations_).add("associated", associated_);
-  json.add("rejected", rejected_);
+  json.add("observations", totals.observations).add("associated", totals.associated);
+  json.add("rejected", totals.rejected);
   json.add("scan_latency_ms", latencyJson(latency_)).add("subsystem_cpu_s", cpu);
   json.add("nis_mean", dof_ > 0 ? std::optional(nis_ / static_cast<double>(dof_)) : std::nullopt);
   json.add("gps_rmse_m", gps_alignment_.rmse());
-  json.add("map_corrections", map_corrections_).add("mode_switches", mode_switches_);
+  json.add("map_corrections", totals.map_corrections).add("mode_switches", mode_switches_);
   json.add("dropped_scans", totals.dropped_scans);
   json.add("resets", resets_).add("gps_fixes", gps_fixes_);
   json.add("gps_fixes_compared", gps_alignment_.count());
@@ -186,7 +165,7 @@ void ResultsWriter::writeSummary(const LandmarkMap& map, const RunTotals& totals
   } else {
     json.addNull("gps_antenna_m");
   }
-  json.add("seed", std::size_t{totals.seed}).add("notes", totals.notes);
+  json.add("seed", totals.seed).add("notes", totals.notes);
 
   std::ofstream file = open("summary.json.part");
   file << json.text() << '\n';

@@ -20,25 +20,22 @@ struct ScanRecord {
   PoseEstimate pose;
   FilterHealth health;
   std::string mode;  ///< of the supervisor: which filter is in charge
-  std::size_t observations = 0;
-  std::size_t associated = 0;         ///< observations that updated a landmark
-  std::size_t rejected = 0;           ///< observations that neither updated nor began a landmark
-  double largest_correction_m = 0.0;  ///< of an active landmark, by this scan
 };
 
-/// The record of an accepted scan.
-ScanRecord scanRecord(const ScanOutcome& outcome, const std::string& mode);
-
-/// What only the end of a run knows.
+/// What only the end of a run knows. Counts are of the whole run, as CekfSlam::Counts has them.
 struct RunTotals {
-  double wall_s = 0.0;  ///< from the start, reading and writing included
-  double cpu_s = 0.0;   ///< of the whole process
-  double peak_rss_mb = 0.0;
-  std::size_t dropped_scans = 0;  ///< that came, but have no line in trajectory.tum
+  double wall_s = 0.0;       ///< from the start, reading and writing included
+  double cpu_s = 0.0;        ///< of the whole process
+  double peak_rss_mb = 0.0;  ///< MB of 10^6 bytes
   std::map<std::string, double> subsystem_cpu_s;
-  std::optional<Eigen::Vector2d> gps_antenna_m;  ///< place in base_link; for hymm_evaluate
-  unsigned long seed = 0;
-  std::vector<std::string> notes;  ///< sentences about the input that its reader should know
+  std::size_t dropped_scans = 0;  ///< that came, but have no line in trajectory.tum
+  std::size_t observations = 0;
+  std::size_t associated = 0;
+  std::size_t rejected = 0;
+  std::size_t map_corrections = 0;
+  std::optional<Eigen::Vector2d> gps_antenna_m;  ///< place in base_link, for hymm_evaluate
+  std::size_t seed = 0;
+  std::vector<std::string> notes;  ///< sentences about the input that whoever reads should know
 };
 
 /// Writes the folder of results that `hymm_offline --output DIR` and `playback.launch output:=DIR`
@@ -83,8 +80,7 @@ class ResultsWriter {
   std::size_t scans_ = 0;
   std::optional<double> first_s_, last_s_;  ///< stamps since the last reset
   double duration_s_ = 0.0;                 ///< of the recordings before the last reset
-  std::size_t observations_ = 0, associated_ = 0, rejected_ = 0;
-  std::size_t map_corrections_ = 0, mode_switches_ = 0, resets_ = 0, gps_fixes_ = 0;
+  std::size_t mode_switches_ = 0, resets_ = 0, gps_fixes_ = 0;
   double nis_ = 0.0;
   long dof_ = 0;
   LatencyHistogram latency_;
