@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+
+namespace hymm::core {
+
+/// A file in the making: written as NAME.active beside its place and renamed when complete, so that
+/// a failure leaves neither half a file nor a damaged older one.
+class UnfinishedFile {
+ public:
+  /// Throws InputError if the target cannot be a file: its folder is missing, or it is a folder.
+  explicit UnfinishedFile(std::filesystem::path target);
+
+  /// Removes what was written, unless it was completed.
+  ~UnfinishedFile();
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+
+  /// Where to write.
+  const std::filesystem::path& path() const { return path_; }
+
+  /// Gives the closed file its name. Throws InputError if that fails.
+  void complete();
+
+ private:
+  std::filesystem::path target_;
+  std::filesystem::path path_;
+  bool is_complete_ = false;
+};
+
+}  // namespace hymm::core
