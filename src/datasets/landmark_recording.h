@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -8,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "common/pose2.h"
+#include "datasets/reading_count.h"
 #include "pipeline/sensor_event.h"
 
 namespace hymm::core {
@@ -23,12 +23,6 @@ struct TruthLandmark {
   int identity = -1;  ///< as in Observation::identity
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   Eigen::Vector2d deviation = Eigen::Vector2d::Zero();  ///< of the survey, m along x and y
-};
-
-/// Something that was left out on reading, or read with a reservation, and how often.
-struct ReadingCount {
-  std::string what;  ///< for instance "observations of other robots, skipped"
-  std::size_t count = 0;
 };
 
 /// A recording whose landmarks come as observations with identities instead of scans. The events
