@@ -1,0 +1,50 @@
+#pragma once
+
+#include <GeographicLib/LocalCartesian.hpp>
+#include <rosbag/bag.h>
+
+#include "datasets/acfr_recording.h"
+#include "vehicle/dead_reckoning.h"
+#include "vehicle/vehicle_config.h"
+
+namespace hymm {
+
+/// What the recording itself does not tell about its GPS.
+struct GpsAssumptions {
+  /// Where the recording's local frame has its zero: Victoria Park, Sydney (WGS 84). The true place
+  /// was not published; only relative positions matter.
+  double latitude_deg = -33.8855;
+  double longitude_deg = 151.1930;
+  double altitude_m = 0.0;
+  double deviation_m = 0.5;  ///< of a fix, east and north
+};
+
+/// Writes a recording of ACFR's utility car to a bag, as its ROS drivers would have published it:
+/// /scan, /dead_reckoning, /odom and /tf from the wheel model, /gps/fix, and, latched at the start,
+/// /tf_static and /gps/origin (the zero of the fixes' local frame). A message's bag time is its
+/// stamp.
+class AcfrBagWriter {
+ public:
+  AcfrBagWriter(rosbag::Bag& bag, const core::VehicleConfig& vehicle, const GpsAssumptions& gps);
+
+  /// What holds for the whole recording, stamped `time_s`, before the first event.
+  void writeMountings(double time_s);
+  void writeGpsOrigin(double time_s);
+
+  void write(const core::LaserScan& scan);
+  /// Odometry and its transform are left out where the clock stands still or runs back.
+  void write(const core::AckermannInput& input);
+  void write(const core::LocalFix& fix);
+
+ private:
+  template <class Message>
+  void writeLatched(const std::string& topic, double time_s, const Message& message);
+
+  rosbag::Bag& bag_;
+  core::VehicleConfig vehicle_;
+  GpsAssumptions gps_;
+  GeographicLib::LocalCartesian local_frame_;
+  core::DeadReckoning dead_reckoning_;
+};
+
+}  // namespace hymm
