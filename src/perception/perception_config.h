@@ -21,7 +21,7 @@ struct TrunkConfig {
   double max_range_m = 40.0;
   double min_diameter_m = 0.1;
   double max_diameter_m = 1.0;
-  int min_beams = 1;
+  int min_beams = 2;
   int max_missed_beams = 1;
   double max_incidence_rad = 1.4;
   double shape_deviation = 0.1;
