@@ -1,0 +1,457 @@
+#include "cekf/compressed_ekf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Cholesky>
+
+#include "cekf/blas.h"
+
+namespace hymm::core {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+using TwoColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
+
+int strideOf(const MatrixXd& matrix) { return static_cast<int>(matrix.outerStride()); }
+
+/// The symmetric matrix whose lower triangle is the leading n x n block of `storage`.
+auto symmetric(const MatrixXd& storage, int n) {
+  return storage.topLeftCorner(n, n).selfadjointView<Eigen::Lower>();
+}
+
+}  // namespace
+
+CompressedEkf::CompressedEkf(const VectorXd& vehicle, const MatrixXd& covariance)
+    : vehicle_states_(static_cast<int>(vehicle.size())) {
+  if (vehicle_states_ < 1 || vehicle_states_ > kMaxVehicleStates ||
+      covariance.rows() != vehicle.size() || covariance.cols() != vehicle.size()) {
+    throw std::invalid_argument("CompressedEkf takes 1 to " + std::to_string(kMaxVehicleStates) +
+                                " vehicle states and a covariance of the same size");
+  }
+  store_.grow(kFirstLandmarkIndex);
+  store_x_ = VectorXd::Zero(store_.size());
+  x_ = vehicle;
+  P_ = covariance;
+  startInterval();
+}
+
+void CompressedEkf::startInterval() {
+  active_slots_.clear();
+  origin_slots_.clear();
+  origin_states_ = vehicle_states_;
+  reserveActive(vehicle_states_, vehicle_states_);
+  phi_.topLeftCorner(vehicle_states_, vehicle_states_).setIdentity();
+  psi_.topLeftCorner(vehicle_states_, vehicle_states_).setZero();
+  theta_.head(vehicle_states_).setZero();
+  pending_J_ = MatrixXd::Identity(vehicle_states_, vehicle_states_);
+  motion_pending_ = false;
+}
+
+MatrixXd CompressedEkf::vehicleCovariance() const { return symmetric(P_, vehicle_states_); }
+
+Vector2d CompressedEkf::landmark(int slot) const {
+  const int row = rowOf(slot);
+  if (row >= 0) return x_.segment<2>(row);
+  return store_x_.segment<2>(storeIndex(slot)) +
+         originCovariance(slot).transpose() * theta_.head(origin_states_);
+}
+
+Matrix2d CompressedEkf::covariance(int slot_a, int slot_b) const {
+  flushMotion();
+  const int row_a = rowOf(slot_a), row_b = rowOf(slot_b);
+  Matrix2d block;
+  if (row_a >= 0 && row_b >= 0) {
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 2; ++j) block(i, j) = covarianceEntry(row_a + i, row_b + j);
+    }
+    return block;
+  }
+  if (row_a >= 0) return phi_.block(row_a, 0, 2, origin_states_) * originCovariance(slot_b);
+  if (row_b >= 0) return covariance(slot_b, slot_a).transpose();
+  const int index_a = storeIndex(slot_a), index_b = storeIndex(slot_b);
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) block(i, j) = store_(index_a + i, index_b + j);
+  }
+  return block - originCovariance(slot_a).transpose() * psiTimes(originCovariance(slot_b));
+}
+
+TwoColumns CompressedEkf::vehicleLandmarkCovariance(int slot) const {
+  flushMotion();
+  const int row = rowOf(slot);
+  if (row >= 0) return P_.block(row, 0, 2, vehicle_states_).transpose();
+  return phi_.topLeftCorner(vehicle_states_, origin_states_) * originCovariance(slot);
+}
+
+MatrixXd CompressedEkf::jointCovariance(const std::vector<int>& slots) const {
+  const auto n = static_cast<Eigen::Index>(slots.size());
+  MatrixXd joint(2 * n, 2 * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      const Matrix2d block =
+          covariance(slots[static_cast<std::size_t>(i)], slots[static_cast<std::size_t>(j)]);
+      joint.block<2, 2>(2 * i, 2 * j) = block;
+      joint.block<2, 2>(2 * j, 2 * i) = block.transpose();
+    }
+  }
+  return joint;
+}
+
+void CompressedEkf::predict(const VectorXd& vehicle, const MatrixXd& J, const MatrixXd& Q) {
+  const int n = vehicle_states_;
+  x_.head(n) = vehicle;
+  P_.topLeftCorner(n, n) = (J * MatrixXd(symmetric(P_, n)) * J.transpose() + Q).eval();
+  pending_J_ = J * pending_J_;
+  motion_pending_ = true;
+}
+
+void CompressedEkf::flushMotion() const {
+  if (!motion_pending_) return;
+  const int n = vehicle_states_, landmarks = states() - n;
+  P_.block(n, 0, landmarks, n) *= pending_J_.transpose();
+  phi_.topLeftCorner(n, origin_states_) = pending_J_ * phi_.topLeftCorner(n, origin_states_);
+  pending_J_.setIdentity();
+  motion_pending_ = false;
+}
+
+MatrixXd CompressedEkf::measurementTimesCovariance(const SparseMeasurement& measurement) const {
+  const int n = states(), nv = vehicle_states_;
+  MatrixXd HP = MatrixXd::Zero(2, n);
+  if (measurement.H_vehicle.cols() > 0) {
+    HP.leftCols(nv) += measurement.H_vehicle * symmetric(P_, nv);
+    HP.rightCols(n - nv) += measurement.H_vehicle * P_.block(nv, 0, n - nv, nv).transpose();
+  }
+  for (int k = 0; k < 2; ++k) {
+    if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
+    const int row = rowOf(measurement.landmarks[k]);
+    const Matrix2d& H = measurement.H_landmarks[k];
+    HP.leftCols(row) += H * P_.block(row, 0, 2, row);
+    Matrix2d own = P_.block<2, 2>(row, row);
+    own(0, 1) = own(1, 0);
+    HP.middleCols<2>(row) += H * own;
+    const int below = n - row - 2;
+    HP.rightCols(below) += H * P_.block(row + 2, row, below, 2).transpose();
+  }
+  return HP;
+}
+
+MatrixXd CompressedEkf::measurementTimesPhi(const SparseMeasurement& measurement) const {
+  MatrixXd Hphi = MatrixXd::Zero(2, origin_states_);
+  if (measurement.H_vehicle.cols() > 0) {
+    Hphi += measurement.H_vehicle * phi_.topLeftCorner(vehicle_states_, origin_states_);
+  }
+  for (int k = 0; k < 2; ++k) {
+    if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
+    const int row = rowOf(measurement.landmarks[k]);
+    Hphi += measurement.H_landmarks[k] * phi_.block(row, 0, 2, origin_states_);
+  }
+  return Hphi;
+}
+
+Matrix2d CompressedEkf::timesMeasurementTransposed(const MatrixXd& HP,
+                                                   const SparseMeasurement& measurement) const {
+  Matrix2d S = Matrix2d::Zero();
+  if (measurement.H_vehicle.cols() > 0) {
+    S += HP.leftCols(vehicle_states_) * measurement.H_vehicle.transpose();
+  }
+  for (int k = 0; k < 2; ++k) {
+    if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
+    S += HP.middleCols<2>(rowOf(measurement.landmarks[k])) * measurement.H_landmarks[k].transpose();
+  }
+  return S;
+}
+
+Matrix2d CompressedEkf::innovationCovariance(const SparseMeasurement& a,
+                                             const SparseMeasurement& b) const {
+  flushMotion();
+  const int nv = vehicle_states_;
+  Matrix2d S = Matrix2d::Zero();
+  const bool vehicle_a = a.H_vehicle.cols() > 0, vehicle_b = b.H_vehicle.cols() > 0;
+  if (vehicle_a && vehicle_b) S += a.H_vehicle * symmetric(P_, nv) * b.H_vehicle.transpose();
+  for (int i = 0; i < 2; ++i) {
+    if (a.landmarks[i] == SparseMeasurement::kNone) continue;
+    const int row = rowOf(a.landmarks[i]);
+    if (vehicle_b) S += a.H_landmarks[i] * P_.block(row, 0, 2, nv) * b.H_vehicle.transpose();
+  }
+  for (int j = 0; j < 2; ++j) {
+    if (b.landmarks[j] == SparseMeasurement::kNone) continue;
+    const int row = rowOf(b.landmarks[j]);
+    if (vehicle_a) {
+      S += a.H_vehicle * P_.block(row, 0, 2, nv).transpose() * b.H_landmarks[j].transpose();
+    }
+    for (int i = 0; i < 2; ++i) {
+      if (a.landmarks[i] == SparseMeasurement::kNone) continue;
+      S += a.H_landmarks[i] * covariance(a.landmarks[i], b.landmarks[j]) *
+           b.H_landmarks[j].transpose();
+    }
+  }
+  return S;
+}
+
+double CompressedEkf::update(const std::vector<SparseMeasurement>& measurements) {
+  if (measurements.empty()) return 0.0;
+  flushMotion();
+  const int m = 2 * static_cast<int>(measurements.size()), n = states(), n0 = origin_states_;
+
+  MatrixXd HP(m, n), S(m, m);
+  VectorXd z(m);
+  for (int k = 0; k < m; k += 2) {
+    const SparseMeasurement& row = measurements[static_cast<std::size_t>(k / 2)];
+    HP.middleRows<2>(k) = measurementTimesCovariance(row);
+    z.segment<2>(k) = row.innovation;
+    for (int j = 0; j <= k; j += 2) {
+      S.block<2, 2>(k, j) = timesMeasurementTransposed(
+          HP.middleRows<2>(k), measurements[static_cast<std::size_t>(j / 2)]);
+    }
+    S.block<2, 2>(k, k) += row.noise;
+  }
+  const Eigen::LLT<Eigen::Ref<MatrixXd>, Eigen::Lower> llt(S);
+  if (llt.info() != Eigen::Success || !z.allFinite() || !S.diagonal().allFinite()) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  MatrixXd Hphi(m, n0);
+  for (int k = 0; k < m; k += 2) {
+    Hphi.middleRows<2>(k) = measurementTimesPhi(measurements[static_cast<std::size_t>(k / 2)]);
+  }
+
+  // With S = L * L': every term needs its factors only as L^-1 * (.).
+  const VectorXd y = llt.matrixL().solve(z);
+  blas::solveLower(m, n, S.data(), m, HP.data(), m);
+  blas::solveLower(m, n0, S.data(), m, Hphi.data(), m);
+  x_.head(n) += HP.transpose() * y;
+  theta_.head(n0) += Hphi.transpose() * y;
+  blas::syrkLower(true, n, m, -1.0, HP.data(), m, P_.data(), strideOf(P_));
+  blas::syrkLower(true, n0, m, 1.0, Hphi.data(), m, psi_.data(), strideOf(psi_));
+  blas::gemm(true, false, n, n0, m, -1.0, HP.data(), m, Hphi.data(), m, phi_.data(),
+             strideOf(phi_));
+  return y.squaredNorm();
+}
+
+void CompressedEkf::activate(int slot) {
+  if (isActive(slot)) return;
+  flushMotion();
+  const int row = states(), n0 = origin_states_;
+  const TwoColumns W = originCovariance(slot);
+  const TwoColumns psi_W = psiTimes(W);
+  Matrix2d own;
+  const int index = storeIndex(slot);
+  own << store_(index, index), store_(index + 1, index), store_(index + 1, index),
+      store_(index + 1, index + 1);
+  const Vector2d position = landmark(slot);
+
+  reserveActive(row + 2, n0 + 2);
+  x_.segment<2>(row) = position;
+  P_.block(row, 0, 2, row) = (phi_.topLeftCorner(row, n0) * W).transpose();
+  P_.block<2, 2>(row, row) = own - W.transpose() * psi_W;
+  phi_.block(0, n0, row, 2).setZero();
+  phi_.block(row, 0, 2, n0) = -psi_W.transpose();
+  phi_.block<2, 2>(row, n0).setIdentity();
+  psi_.block(n0, 0, 2, n0 + 2).setZero();
+  theta_.segment<2>(n0).setZero();
+
+  origin_slots_.push_back(slot);
+  origin_states_ += 2;
+  active_slots_.push_back(slot);
+  rows_[static_cast<std::size_t>(slot)] = row;
+}
+
+int CompressedEkf::append(const Vector2d& position,
+                          const Eigen::Matrix<double, 2, Eigen::Dynamic>& G,
+                          const Matrix2d& noise) {
+  flushMotion();
+  const int row = states(), nv = vehicle_states_, n0 = origin_states_;
+  const int slot = takeSlot();
+  reserveActive(row + 2, n0);
+  x_.segment<2>(row) = position;
+  const MatrixXd GP = G * symmetric(P_, nv);
+  P_.block(row, 0, 2, nv) = GP;
+  P_.block(row, nv, 2, row - nv) = G * P_.block(nv, 0, row - nv, nv).transpose();
+  P_.block<2, 2>(row, row) = GP * G.transpose() + noise;
+  phi_.block(row, 0, 2, n0) = G * phi_.topLeftCorner(nv, n0);
+  active_slots_.push_back(slot);
+  rows_[static_cast<std::size_t>(slot)] = row;
+  ++landmark_count_;
+  return slot;
+}
+
+void CompressedEkf::remove(int slot) {
+  const int row = rowOf(slot);
+  if (row >= 0) {
+    flushMotion();
+    moveLastLandmarkTo(row);
+  }
+  const bool is_origin =
+      std::find(origin_slots_.begin(), origin_slots_.end(), slot) != origin_slots_.end();
+  (is_origin ? retired_slots_ : free_slots_).push_back(slot);
+  rows_[static_cast<std::size_t>(slot)] = kFree;
+  --landmark_count_;
+}
+
+void CompressedEkf::moveLastLandmarkTo(int row) {
+  const int last = states() - 2;
+  if (row != last) {
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < last; ++j) {
+        if (j != row && j != row + 1) {
+          setCovarianceEntry(row + i, j, covarianceEntry(last + i, j));
+        }
+      }
+    }
+    P_.block<2, 2>(row, row) = P_.block<2, 2>(last, last);
+    phi_.block(row, 0, 2, origin_states_) = phi_.block(last, 0, 2, origin_states_).eval();
+    x_.segment<2>(row) = x_.segment<2>(last).eval();
+    const int moved = active_slots_.back();
+    active_slots_[static_cast<std::size_t>((row - vehicle_states_) / 2)] = moved;
+    rows_[static_cast<std::size_t>(moved)] = row;
+  }
+  active_slots_.pop_back();
+}
+
+void CompressedEkf::initialiseVehicleStates(int first, const VectorXd& value, const MatrixXd& G,
+                                            const MatrixXd& noise) {
+  flushMotion();
+  const int nv = vehicle_states_, count = static_cast<int>(value.size()), n = states();
+  const MatrixXd P_vv = symmetric(P_, nv);
+  MatrixXd new_vv = P_vv;
+  new_vv.middleRows(first, count) = G * P_vv;
+  new_vv.middleCols(first, count) = new_vv.middleRows(first, count).transpose();
+  new_vv.block(first, first, count, count) = G * P_vv * G.transpose() + noise;
+  const MatrixXd P_lv = P_.block(nv, 0, n - nv, nv);
+  P_.topLeftCorner(nv, nv) = new_vv;
+  P_.block(nv, first, n - nv, count) = P_lv * G.transpose();
+  phi_.block(first, 0, count, origin_states_) = (G * phi_.topLeftCorner(nv, origin_states_)).eval();
+  x_.segment(first, count) = value;
+}
+
+void CompressedEkf::globalUpdate() {
+  flushMotion();
+  std::vector<int> origin_store;
+  for (int i = 0; i < vehicle_states_; ++i) origin_store.push_back(i);
+  for (const int slot : origin_slots_) {
+    origin_store.push_back(storeIndex(slot));
+    origin_store.push_back(storeIndex(slot) + 1);
+  }
+  store_.grow(kFirstLandmarkIndex + 2 * static_cast<int>(rows_.size()));
+  store_x_.conservativeResizeLike(VectorXd::Zero(store_.size()));
+  const MatrixXd W = storeColumns(origin_store);
+  updateStore(W);
+  writeActiveToStore(W);
+
+  for (const int slot : active_slots_) rows_[static_cast<std::size_t>(slot)] = kPassive;
+  free_slots_.insert(free_slots_.end(), retired_slots_.begin(), retired_slots_.end());
+  retired_slots_.clear();
+  startInterval();
+}
+
+MatrixXd CompressedEkf::storeColumns(const std::vector<int>& columns) const {
+  MatrixXd W(store_.size(), static_cast<Eigen::Index>(columns.size()));
+  for (Eigen::Index c = 0; c < W.cols(); ++c) {
+    for (int tile_row = 0; tile_row < store_.tileRows(); ++tile_row) {
+      store_.copyTileColumn(tile_row, columns[static_cast<std::size_t>(c)],
+                            W.col(c).data() + tile_row * TiledSymmetricMatrix::kTileSize);
+    }
+  }
+  return W;
+}
+
+void CompressedEkf::updateStore(const MatrixXd& W) {
+  constexpr int kTile = TiledSymmetricMatrix::kTileSize;
+  const int n0 = origin_states_, size = store_.size();
+  store_x_ += W * theta_.head(n0);
+  const MatrixXd psi = symmetric(psi_, n0);
+  MatrixXd W_psi = MatrixXd::Zero(size, n0);
+  blas::gemm(false, false, size, n0, n0, 1.0, W.data(), size, psi.data(), n0, W_psi.data(), size);
+  for (int i = 0; i < store_.tileRows(); ++i) {
+    for (int j = 0; j <= i; ++j) {
+      blas::gemm(false, true, kTile, kTile, n0, -1.0, W_psi.data() + i * kTile, size,
+                 W.data() + j * kTile, size, store_.tile(i, j), kTile);
+    }
+  }
+}
+
+void CompressedEkf::writeActiveToStore(const MatrixXd& W) {
+  const int n = states(), n0 = origin_states_, size = store_.size();
+  MatrixXd P_all_active = MatrixXd::Zero(size, n);
+  blas::gemm(false, true, size, n, n0, 1.0, W.data(), size, phi_.data(), strideOf(phi_),
+             P_all_active.data(), size);
+
+  std::vector<int> active_store(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) active_store[static_cast<std::size_t>(i)] = storeIndexOfRow(i);
+  for (int a = 0; a < n; ++a) {
+    for (int b = 0; b < n; ++b) {
+      P_all_active(active_store[static_cast<std::size_t>(b)], a) = covarianceEntry(a, b);
+    }
+  }
+  for (int a = 0; a < n; ++a) {
+    const int index = active_store[static_cast<std::size_t>(a)];
+    for (int i = 0; i < size; ++i) store_.set(i, index, P_all_active(i, a));
+    store_x_[index] = x_[a];
+  }
+}
+
+int CompressedEkf::storeIndexOfRow(int row) const {
+  if (row < vehicle_states_) return row;
+  const int offset = row - vehicle_states_;
+  return storeIndex(active_slots_[static_cast<std::size_t>(offset / 2)]) + offset % 2;
+}
+
+int CompressedEkf::rowOf(int slot) const { return rows_[static_cast<std::size_t>(slot)]; }
+
+void CompressedEkf::reserveActive(int states, int origin_states) {
+  const auto grown = [](Eigen::Index capacity, int needed) {
+    return needed <= capacity ? capacity
+                              : std::max<Eigen::Index>(needed, capacity + capacity / 2 + 32);
+  };
+  const Eigen::Index rows = grown(x_.size(), states);
+  const Eigen::Index columns = grown(theta_.size(), origin_states);
+  if (rows > P_.rows()) P_.conservativeResize(rows, rows);
+  if (rows > x_.size()) x_.conservativeResize(rows);
+  if (rows > phi_.rows() || columns > phi_.cols()) phi_.conservativeResize(rows, columns);
+  if (columns > psi_.rows()) psi_.conservativeResize(columns, columns);
+  if (columns > theta_.size()) theta_.conservativeResize(columns);
+}
+
+int CompressedEkf::takeSlot() {
+  if (!free_slots_.empty()) {
+    const int slot = free_slots_.back();
+    free_slots_.pop_back();
+    return slot;
+  }
+  rows_.push_back(kFree);
+  return static_cast<int>(rows_.size()) - 1;
+}
+
+TwoColumns CompressedEkf::originCovariance(int slot) const {
+  TwoColumns W(origin_states_, 2);
+  const int index = storeIndex(slot);
+  for (int k = 0; k < origin_states_; ++k) {
+    const int origin =
+        k < vehicle_states_
+            ? k
+            : storeIndex(origin_slots_[static_cast<std::size_t>((k - vehicle_states_) / 2)]) +
+                  (k - vehicle_states_) % 2;
+    W(k, 0) = store_(origin, index);
+    W(k, 1) = store_(origin, index + 1);
+  }
+  return W;
+}
+
+TwoColumns CompressedEkf::psiTimes(const TwoColumns& W) const {
+  return symmetric(psi_, origin_states_) * W;
+}
+
+std::size_t CompressedEkf::memoryBytes() const {
+  const auto tile_rows = static_cast<std::size_t>(store_.tileRows());
+  const std::size_t tile_bytes =
+      TiledSymmetricMatrix::kTileSize * TiledSymmetricMatrix::kTileSize * sizeof(double);
+  const auto active = static_cast<std::size_t>(P_.size() + phi_.size() + psi_.size());
+  return tile_rows * (tile_rows + 1) / 2 * tile_bytes + active * sizeof(double);
+}
+
+}  // namespace hymm::core

@@ -1,0 +1,171 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cekf/tiled_symmetric_matrix.h"
+
+namespace hymm::core {
+
+/// A two-dimensional measurement that depends on the vehicle's states and at most two landmarks.
+struct SparseMeasurement {
+  static constexpr int kNone = -1;
+
+  Eigen::Vector2d innovation = Eigen::Vector2d::Zero();  ///< measured - predicted
+  Eigen::Matrix<double, 2, Eigen::Dynamic> H_vehicle;    ///< 2 x vehicle states, or 2 x 0 for none
+  int landmarks[2] = {kNone, kNone};                     ///< slots
+  Eigen::Matrix2d H_landmarks[2] = {Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
+  Eigen::Matrix2d noise = Eigen::Matrix2d::Identity();
+};
+
+/// The compressed extended Kalman filter: an EKF over the vehicle's states and any number of
+/// two-dimensional landmarks, in which everything between two global updates costs time by the
+/// number of ACTIVE landmarks only, yet the result equals the full EKF's.
+///
+/// A landmark is active from its first activate() or append() to the next globalUpdate(). Meanwhile
+/// the effect of predictions and updates on all others is accumulated in phi, psi and theta:
+///   P_ab = phi * W_b',  P_bc = P_bc0 - W_b * psi * W_c',  x_b = x_b0 + W_b * theta,
+/// for active a and passive b, c, where W_b = cov(b, origin states) at the last global update. The
+/// origin states are the vehicle's and those of each landmark activated since. Activating b appends
+/// the row [-W_b * psi, I] to phi and a zero row and column to psi and theta, so that it is exact
+/// at once, whatever the number of landmarks. (The paper's areas fix the origin states in advance;
+/// this grows them by need.)
+///
+/// Landmarks are addressed by slots: small non-negative integers, reused after a global update.
+class CompressedEkf {
+ public:
+  /// Vehicle states can be at most this many.
+  static constexpr int kMaxVehicleStates = 16;
+
+  /// A filter with the given vehicle states and no landmark. Throws std::invalid_argument for sizes
+  /// that do not fit.
+  CompressedEkf(const Eigen::VectorXd& vehicle, const Eigen::MatrixXd& covariance);
+
+  // --- State ---------------------------------------------------------------------------------
+  int vehicleStates() const { return vehicle_states_; }
+  Eigen::VectorXd vehicle() const { return x_.head(vehicle_states_); }
+  Eigen::MatrixXd vehicleCovariance() const;
+
+  /// A landmark's position, active or not, as of now.
+  Eigen::Vector2d landmark(int slot) const;
+  /// Covariance between two landmarks, active or not, as of now.
+  Eigen::Matrix2d covariance(int slot_a, int slot_b) const;
+  /// Covariance between the vehicle's states (rows) and a landmark, active or not, as of now.
+  Eigen::Matrix<double, Eigen::Dynamic, 2> vehicleLandmarkCovariance(int slot) const;
+  /// Joint covariance of landmarks in the order given, as of now.
+  Eigen::MatrixXd jointCovariance(const std::vector<int>& slots) const;
+
+  bool isActive(int slot) const { return rowOf(slot) >= 0; }
+  std::size_t landmarkCount() const { return landmark_count_; }
+  std::size_t activeCount() const { return active_slots_.size(); }
+  /// States that phi's columns stand for; grows until the next global update.
+  int originStates() const { return origin_states_; }
+
+  // --- Motion and measurements ---------------------------------------------------------------
+  /// vehicle <- `vehicle`, with P_vv <- J * P_vv * J' + Q and P_v* <- J * P_v*. The products with
+  /// everything but the vehicle are put off until something needs them.
+  void predict(const Eigen::VectorXd& vehicle, const Eigen::MatrixXd& J, const Eigen::MatrixXd& Q);
+
+  /// Joint update with measurements whose landmarks are all active. Returns the normalised
+  /// innovation squared, or NaN when the innovation covariance is not positive definite; then
+  /// nothing changed.
+  double update(const std::vector<SparseMeasurement>& measurements);
+
+  /// Innovation covariance block between two measurements of active landmarks, without noise.
+  Eigen::Matrix2d innovationCovariance(const SparseMeasurement& a,
+                                       const SparseMeasurement& b) const;
+
+  // --- Landmarks -------------------------------------------------------------------------------
+  /// Makes a passive landmark active; does nothing to an active one.
+  void activate(int slot);
+
+  /// New active landmark at `position` = g(vehicle, z): covariance G_vehicle * P_vv * G_vehicle' +
+  /// noise. Returns its slot.
+  int append(const Eigen::Vector2d& position, const Eigen::Matrix<double, 2, Eigen::Dynamic>& G,
+             const Eigen::Matrix2d& noise);
+
+  /// Takes a landmark out of the state (marginalises it).
+  void remove(int slot);
+
+  /// Replaces vehicle states [first, first + value.size()) by `value` = g(vehicle, z), of Jacobian
+  /// G (wrt all vehicle states) and additional covariance `noise`.
+  void initialiseVehicleStates(int first, const Eigen::VectorXd& value, const Eigen::MatrixXd& G,
+                               const Eigen::MatrixXd& noise);
+
+  /// Carries everything accumulated to all landmarks, after which none is active.
+  void globalUpdate();
+
+  /// Keeps rounding and caller's angles in order: replaces a vehicle state by an equivalent value.
+  void setVehicleState(int index, double value) { x_[index] = value; }
+
+  /// Bytes held for covariances.
+  std::size_t memoryBytes() const;
+
+ private:
+  static constexpr int kFirstLandmarkIndex = kMaxVehicleStates;
+  static constexpr int kPassive = -1;
+  static constexpr int kFree = -2;
+
+  static int storeIndex(int slot) { return kFirstLandmarkIndex + 2 * slot; }
+
+  void startInterval();
+  int rowOf(int slot) const;
+  int states() const { return vehicle_states_ + 2 * static_cast<int>(active_slots_.size()); }
+  int storeIndexOfRow(int row) const;
+  void reserveActive(int states, int origin_states);
+  void flushMotion() const;
+  int takeSlot();
+  void moveLastLandmarkTo(int row);
+
+  double covarianceEntry(int row, int column) const {
+    return row >= column ? P_(row, column) : P_(column, row);
+  }
+  void setCovarianceEntry(int row, int column, double value) {
+    (row >= column ? P_(row, column) : P_(column, row)) = value;
+  }
+
+  /// H * P (2 x states) and H * phi (2 x origin states) of one measurement.
+  Eigen::MatrixXd measurementTimesCovariance(const SparseMeasurement& measurement) const;
+  Eigen::MatrixXd measurementTimesPhi(const SparseMeasurement& measurement) const;
+  Eigen::Matrix2d timesMeasurementTransposed(const Eigen::MatrixXd& HP,
+                                             const SparseMeasurement& measurement) const;
+
+  /// W_b': covariance between the origin states and a passive landmark at the last global update.
+  Eigen::Matrix<double, Eigen::Dynamic, 2> originCovariance(int slot) const;
+  Eigen::Matrix<double, Eigen::Dynamic, 2> psiTimes(
+      const Eigen::Matrix<double, Eigen::Dynamic, 2>& W) const;
+
+  Eigen::MatrixXd storeColumns(const std::vector<int>& columns) const;
+  void updateStore(const Eigen::MatrixXd& W);
+  void writeActiveToStore(const Eigen::MatrixXd& W);
+
+  int vehicle_states_;
+
+  // The active part. P_, phi_ and psi_ have spare capacity; of P_ and psi_ the lower triangle
+  // counts. Rows: the vehicle's states, then active_slots_ in order.
+  std::vector<int> active_slots_;
+  Eigen::VectorXd x_;
+  mutable Eigen::MatrixXd P_;
+  mutable Eigen::MatrixXd phi_;
+  Eigen::MatrixXd psi_;
+  Eigen::VectorXd theta_;
+  std::vector<int> origin_slots_;  ///< of the landmarks among the origin states, in order
+  int origin_states_ = 0;
+
+  // Motion not yet applied to the vehicle's cross-covariances and rows of phi.
+  mutable Eigen::MatrixXd pending_J_;
+  mutable bool motion_pending_ = false;
+
+  // The store: everything as of the last global update. Index: vehicle first, then landmarks.
+  TiledSymmetricMatrix store_;
+  Eigen::VectorXd store_x_;
+
+  std::vector<int> rows_;  ///< by slot: row in the active part, kPassive or kFree
+  std::vector<int> free_slots_;
+  std::vector<int> retired_slots_;  ///< removed, but origin states until the global update
+  std::size_t landmark_count_ = 0;
+};
+
+}  // namespace hymm::core
