@@ -1,6 +1,76 @@
 #include "cekf/cekf_slam_config.h"
 
 namespace hymm::core {
+namespace {
+
+// A probability that makes a usable chi-square gate.
+const Range kGateProbability = Range::between(0.5, 0.99999999);
+const Range kProbability = Range::between(0.001, 0.999);
+
+}  // namespace
+
+void ActiveAreaConfig::describe(ConfigSchema& schema) {
+  schema.number("cell_m", cell_m, Range{0.0, 10000.0, true},
+                "edge of the square cells; leaving one triggers the global update");
+  schema.number("hysteresis_m", hysteresis_m, Range::notNegative(),
+                "how far beyond the border of its cell the vehicle must be");
+  schema.integer("max_origin_states", max_origin_states, Range::between(32, 4000),
+                 "states activated since the last global update that force the next one");
+}
+
+void AssociationConfig::describe(ConfigSchema& schema) {
+  schema.number("individual_probability", individual_probability, kGateProbability,
+                "chi-square gate of a single observation; its quantile is also what leaving an "
+                "observation out costs");
+  schema.number("joint_probability", joint_probability, kGateProbability,
+                "chi-square gate of all observations of a scan together");
+  schema.number("new_landmark_probability", new_landmark_probability, kGateProbability,
+                "an observation inside this gate of a landmark starts no new one");
+  schema.number("identity_probability", identity_probability, kGateProbability,
+                "gate of observations whose identity the sensor reads");
+  schema.integer("max_nodes", max_nodes, Range::between(10, 1e8),
+                 "of the joint compatibility search; beyond, the best so far is taken");
+  schema.flag("use_diameter", use_diameter, "diameters tell landmarks apart");
+  schema.number("diameter_irregularity_m", diameter_irregularity_m, Range::notNegative(),
+                "deviation of a trunk's diameter between the sides it is seen from");
+  schema.flag(
+      "use_unidentified", use_unidentified,
+      "in sets where some observations carry an identity: associate the others by position");
+}
+
+void LandmarkConfig::describe(ConfigSchema& schema) {
+  schema.integer("promote_sightings", promote_sightings, Range::between(1, 100),
+                 "scans that must see an object before it becomes a landmark");
+  schema.integer("promote_within_scans", promote_within_scans, Range::between(1, 1000),
+                 "number of scans in which they must happen");
+  schema.number("min_separation_m", min_separation_m, Range::notNegative(),
+                "of a new landmark from all others");
+  schema.number("visible_range_m", visible_range_m, Range::positive(),
+                "farthest range at which a landmark is expected to be seen again");
+  schema.number("field_margin_rad", field_margin_rad, Range::between(0.0, 1.0),
+                "from the edges of the scan inside which it is expected");
+  schema.number("detection_probability", detection_probability, kProbability,
+                "of a landmark that exists and should be visible");
+  schema.number("false_detection_probability", false_detection_probability, kProbability,
+                "of one that does not exist");
+  schema.number("drop_log_odds", drop_log_odds, Range::between(-100.0, 0.0),
+                "log-odds of existence below which a landmark is dropped");
+  schema.number("merge_distance_m", merge_distance_m, Range::notNegative(),
+                "largest distance between two estimates of one object; 0 never merges");
+  schema.number("merge_probability", merge_probability, kGateProbability,
+                "chi-square gate of their difference");
+}
+
+void GpsConfig::describe(ConfigSchema& schema) {
+  schema.flag("enabled", enabled, "fuse gps/fix");
+  schema.number("gate_probability", gate_probability, kGateProbability, "chi-square gate of a fix");
+  schema.number("min_deviation_m", min_deviation_m, Range::positive(),
+                "no fix is trusted more than this, whatever it says");
+  schema.number("alignment_baseline_m", alignment_baseline_m, Range::positive(),
+                "distance between fixes before the map is aligned with east and north");
+  schema.integer("alignment_fixes", alignment_fixes, Range::between(2, 10000),
+                 "number of fixes before that");
+}
 
 void CekfSlamConfig::describe(ConfigSchema& schema) {
   schema.text("motion_input", motion_input,
@@ -12,8 +82,15 @@ void CekfSlamConfig::describe(ConfigSchema& schema) {
                 "cross-covariances are published for pairs of landmarks no farther apart");
   schema.number("landmark_rate_hz", landmark_rate_hz, Range{0.0, 100.0, true},
                 "highest rate of the whole landmark map");
+  schema.number("large_correction_m", large_correction_m, Range::positive(),
+                "a scan that moves an active landmark by more counts as a map correction, carries "
+                "it to all landmarks at once, and publishes them");
   schema.group("merger", merger);
   schema.group("perception", perception);
+  schema.group("active_area", active_area);
+  schema.group("association", association);
+  schema.group("landmarks", landmarks);
+  schema.group("gps", gps);
 }
 
 }  // namespace hymm::core

@@ -8,15 +8,69 @@
 
 namespace hymm::core {
 
-/// Parameters of the node `cekf_slam`, as config/cekf_slam.yaml documents them. The groups
-/// `active_area`, `association`, `landmarks` and `gps` belong to the filter's own folder.
+/// Which part of the map stays active between global updates.
+struct ActiveAreaConfig {
+  double cell_m = 30.0;         ///< edge of the square cells
+  double hysteresis_m = 3.0;    ///< beyond the cell's border before the area moves on
+  int max_origin_states = 360;  ///< states activated since a global update that force the next
+
+  void describe(ConfigSchema& schema);
+};
+
+/// Which observation belongs to which landmark.
+struct AssociationConfig {
+  double individual_probability = 0.99;      ///< chi-square gate of one observation
+  double joint_probability = 0.99;           ///< chi-square gate of a whole scan
+  double new_landmark_probability = 0.9999;  ///< an observation inside this gate is no new landmark
+  double identity_probability = 0.999999;    ///< gate of observations with a known identity
+  int max_nodes = 20000;
+  bool use_diameter = true;
+  double diameter_irregularity_m = 0.1;  ///< how much a trunk's diameter differs by side
+  bool use_unidentified = true;          ///< observations without identity, where others have one
+
+  void describe(ConfigSchema& schema);
+};
+
+/// How landmarks come and go.
+struct LandmarkConfig {
+  int promote_sightings = 3;
+  int promote_within_scans = 6;
+  double min_separation_m = 0.5;  ///< of a new landmark from all others
+  double visible_range_m = 25.0;  ///< farthest range at which a landmark is expected to be seen
+  double field_margin_rad = 0.1;  ///< inside the scan's edges
+  double detection_probability = 0.7;         ///< of a visible landmark that exists
+  double false_detection_probability = 0.05;  ///< of one that does not
+  double drop_log_odds = -4.0;                ///< of existence
+  double merge_distance_m = 0.6;              ///< between two estimates of one object
+  double merge_probability = 0.95;
+
+  void describe(ConfigSchema& schema);
+};
+
+/// Absolute fixes; off unless asked for.
+struct GpsConfig {
+  bool enabled = false;
+  double gate_probability = 0.99;
+  double min_deviation_m = 0.5;        ///< no fix is trusted more than this
+  double alignment_baseline_m = 30.0;  ///< travelled before the map is aligned with east and north
+  int alignment_fixes = 10;
+
+  void describe(ConfigSchema& schema);
+};
+
+/// Parameters of the node `cekf_slam`, as config/cekf_slam.yaml documents them.
 struct CekfSlamConfig {
-  std::string motion_input = "dead_reckoning";  ///< or "odom"
-  std::string observation_input = "scan";       ///< or "detections"
-  double landmark_block_range_m = 30.0;         ///< of the cross-covariances in `landmarks`
-  double landmark_rate_hz = 1.0;                ///< highest rate of `landmarks`
+  std::string motion_input = "dead_reckoning";
+  std::string observation_input = "scan";
+  double landmark_block_range_m = 30.0;
+  double landmark_rate_hz = 1.0;
+  double large_correction_m = 0.5;
   SensorMergerConfig merger;
   PerceptionConfig perception;
+  ActiveAreaConfig active_area;
+  AssociationConfig association;
+  LandmarkConfig landmarks;
+  GpsConfig gps;
 
   void describe(ConfigSchema& schema);
 };

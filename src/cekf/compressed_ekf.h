@@ -60,6 +60,7 @@ class CompressedEkf {
   bool isActive(int slot) const { return rowOf(slot) >= 0; }
   std::size_t landmarkCount() const { return landmark_count_; }
   std::size_t activeCount() const { return active_slots_.size(); }
+  const std::vector<int>& activeSlots() const { return active_slots_; }
   /// States that phi's columns stand for; grows until the next global update.
   int originStates() const { return origin_states_; }
 

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cekf/cekf_slam_config.h"
+#include "cekf/compressed_ekf.h"
+#include "pipeline/sensor_event.h"
+
+namespace hymm::core {
+
+/// Brings GPS fixes into the filter. First it collects fixes until they span a baseline, and aligns
+/// east and north with the map; from then on T_map_enu is part of the state, and each fix that
+/// passes its gate updates it together with everything else.
+class GpsDatum {
+ public:
+  /// `first_state`: index of T_map_enu = (x, y, yaw) among the vehicle's states.
+  GpsDatum(const GpsConfig& config, int first_state);
+
+  /// Takes in a fix at the filter's present time. Returns whether it was used.
+  bool process(const GpsFix& fix, CompressedEkf& filter);
+
+  bool isAligned() const { return aligned_; }
+
+ private:
+  struct Sample {
+    Eigen::Vector2d antenna_map;
+    Eigen::Vector2d fix;
+  };
+
+  void collect(const GpsFix& fix, const CompressedEkf& filter);
+  void align(const GpsFix& fix, CompressedEkf& filter);
+  bool update(const GpsFix& fix, CompressedEkf& filter) const;
+  Eigen::Matrix2d noiseOf(const GpsFix& fix) const;
+
+  GpsConfig config_;
+  int first_state_;
+  double gate_;
+  bool aligned_ = false;
+  std::vector<Sample> samples_;
+};
+
+}  // namespace hymm::core

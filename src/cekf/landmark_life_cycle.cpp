@@ -1,0 +1,256 @@
+#include "cekf/landmark_life_cycle.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "cekf/landmark_visibility.h"
+#include "cekf/observation_model.h"
+#include "cekf/vehicle_state.h"
+#include "common/chi_square.h"
+
+namespace hymm::core {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+// Landmarks nearer than this are worth remembering as distinct when one scan shows both.
+constexpr double kNeighbourhood_m = 2.0;
+
+// Existence never becomes so certain that a felled tree could not be dropped.
+constexpr double kLargestLogOdds = 5.0;
+
+// Noise of the pseudo-observation "these two are one object".
+constexpr double kFusionVariance = 1e-4;
+
+// Moves that nobody needs to hear of.
+constexpr double kNoticeableMove_m = 1e-3;
+
+void fuseDiameter(const Observation& observation, RegisteredLandmark& landmark) {
+  if (!std::isfinite(observation.diameter_m) || !(observation.diameter_variance > 0.0)) return;
+  if (!std::isfinite(landmark.diameter_m)) {
+    landmark.diameter_m = observation.diameter_m;
+    landmark.diameter_variance = observation.diameter_variance;
+    return;
+  }
+  const double gain =
+      landmark.diameter_variance / (landmark.diameter_variance + observation.diameter_variance);
+  landmark.diameter_m += gain * (observation.diameter_m - landmark.diameter_m);
+  landmark.diameter_variance *= 1.0 - gain;
+}
+
+}  // namespace
+
+LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config)
+    : config_(config),
+      merge_gate_(chiSquareQuantile(config.merge_probability, 2)),
+      hit_log_odds_(std::log(config.detection_probability / config.false_detection_probability)),
+      miss_log_odds_(std::log((1.0 - config.detection_probability) /
+                              (1.0 - config.false_detection_probability))),
+      tentative_({config.promote_sightings, config.promote_within_scans}) {}
+
+void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation& association) {
+  ++scan_number_;
+  for (std::size_t i = 0; i < association.slots.size(); ++i) {
+    if (association.slots[i] == ScanAssociation::kNone) continue;
+    RegisteredLandmark& landmark = registry_.bySlot(association.slots[i]);
+    const Observation& observation = set.observations[i];
+    ++landmark.observations;
+    landmark.last_seen_s = set.time_s;
+    landmark.farthest_seen_m = std::max(landmark.farthest_seen_m, observation.range_m);
+    landmark.existence_log_odds =
+        std::min(landmark.existence_log_odds + hit_log_odds_, kLargestLogOdds);
+    if (landmark.type == LandmarkType::kUnknown) landmark.type = observation.type;
+    fuseDiameter(observation, landmark);
+  }
+  noteNeighboursSeenTogether(association.slots);
+}
+
+void LandmarkLifeCycle::noteNeighboursSeenTogether(const std::vector<int>& slots) {
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (slots[i] == ScanAssociation::kNone) continue;
+    RegisteredLandmark& a = registry_.bySlot(slots[i]);
+    for (std::size_t j = i + 1; j < slots.size(); ++j) {
+      if (slots[j] == ScanAssociation::kNone) continue;
+      RegisteredLandmark& b = registry_.bySlot(slots[j]);
+      if ((a.position - b.position).norm() > kNeighbourhood_m) continue;
+      a.distinct_from.insert(b.id);
+      b.distinct_from.insert(a.id);
+    }
+  }
+}
+
+std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set,
+                                           const ScanAssociation& association,
+                                           CompressedEkf& filter) {
+  std::vector<int> created(set.observations.size(), ScanAssociation::kNone);
+  for (std::size_t i = 0; i < set.observations.size(); ++i) {
+    if (association.slots[i] != ScanAssociation::kNone || association.claimed[i] ||
+        association.ignored[i]) {
+      continue;
+    }
+    const Observation& observation = set.observations[i];
+    if (observation.identity < 0) {
+      const LocatedLandmark located = locateLandmark(VehicleState::pose(filter), set.T_base_sensor,
+                                                     observation.range_m, observation.bearing_rad);
+      if (!isFarFromOthers(located.position)) continue;
+      const Matrix2d covariance =
+          located.G_measurement * observation.covariance * located.G_measurement.transpose();
+      if (!tentative_.observe(located.position, covariance, observation.type, scan_number_)) {
+        continue;
+      }
+    }
+    created[i] = promote(observation, set, filter);
+  }
+  tentative_.expire(scan_number_);
+  return created;
+}
+
+bool LandmarkLifeCycle::isFarFromOthers(const Vector2d& position) const {
+  return registry_.slotsNear(position, config_.min_separation_m).empty();
+}
+
+int LandmarkLifeCycle::promote(const Observation& observation, const ObservationSet& set,
+                               CompressedEkf& filter) {
+  const LocatedLandmark located = locateLandmark(VehicleState::pose(filter), set.T_base_sensor,
+                                                 observation.range_m, observation.bearing_rad);
+  Eigen::Matrix<double, 2, Eigen::Dynamic> G(2, filter.vehicleStates());
+  G.setZero();
+  G.leftCols<3>() = located.G_pose;
+  RegisteredLandmark landmark;
+  landmark.slot = filter.append(
+      located.position, G,
+      located.G_measurement * observation.covariance * located.G_measurement.transpose());
+  landmark.id = next_id_++;
+  landmark.identity = observation.identity;
+  landmark.type = observation.type;
+  landmark.diameter_m = observation.diameter_m;
+  landmark.diameter_variance = observation.diameter_variance;
+  landmark.observations = 1;
+  landmark.last_seen_s = set.time_s;
+  landmark.farthest_seen_m = observation.range_m;
+  landmark.existence_log_odds = hit_log_odds_;
+  landmark.position = located.position;
+  landmark.deviation_m = std::sqrt(filter.covariance(landmark.slot, landmark.slot).trace());
+  landmark.changed_version = version_;
+  registry_.add(landmark);
+  ++counts_.created;
+  return landmark.slot;
+}
+
+int LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
+                            const ScanAssociation& association, CompressedEkf& filter) {
+  const Pose2 T_map_sensor = VehicleState::pose(filter) * set.T_base_sensor;
+  const Pose2 T_sensor_map = inverse(T_map_sensor);
+  int missed = 0;
+  for (const int slot : registry_.slotsNear(T_map_sensor.position(), config_.visible_range_m)) {
+    const auto& seen = association.slots;
+    if (std::find(seen.begin(), seen.end(), slot) != seen.end()) continue;
+    RegisteredLandmark& landmark = registry_.bySlot(slot);
+    if (landmark.last_seen_s >= set.time_s) continue;
+    if (!shouldBeVisible(scan, T_sensor_map * landmark.position, landmark, config_)) continue;
+    ++missed;
+    landmark.existence_log_odds += miss_log_odds_;
+    if (landmark.existence_log_odds < config_.drop_log_odds) {
+      drop(landmark.id, filter);
+      ++counts_.dropped;
+    }
+  }
+  return missed;
+}
+
+void LandmarkLifeCycle::merge(const ScanAssociation& association, CompressedEkf& filter) {
+  if (config_.merge_distance_m <= 0.0) return;
+  for (const int slot : association.slots) {
+    if (slot == ScanAssociation::kNone) continue;
+    const RegisteredLandmark& landmark = registry_.bySlot(slot);
+    for (const int other_slot : registry_.slotsNear(landmark.position, config_.merge_distance_m)) {
+      if (other_slot == slot) continue;
+      const RegisteredLandmark& other = registry_.bySlot(other_slot);
+      if (!areOneObject(landmark, other, filter)) continue;
+      // The older one stays: others may already refer to it.
+      fuse(std::min(landmark.id, other.id), std::max(landmark.id, other.id), filter);
+      return;  // one a scan is plenty, and references are void now
+    }
+  }
+}
+
+bool LandmarkLifeCycle::areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
+                                     CompressedEkf& filter) const {
+  if (a.distinct_from.count(b.id) > 0 || a.identity >= 0 || b.identity >= 0) return false;
+  if (a.type != b.type && a.type != LandmarkType::kUnknown && b.type != LandmarkType::kUnknown) {
+    return false;
+  }
+  filter.activate(a.slot);
+  filter.activate(b.slot);
+  const Vector2d difference = filter.landmark(a.slot) - filter.landmark(b.slot);
+  const Matrix2d cross = filter.covariance(a.slot, b.slot);
+  const Matrix2d covariance = filter.covariance(a.slot, a.slot) +
+                              filter.covariance(b.slot, b.slot) - cross - cross.transpose() +
+                              kFusionVariance * Matrix2d::Identity();
+  return difference.dot(covariance.inverse() * difference) <= merge_gate_;
+}
+
+void LandmarkLifeCycle::fuse(int id_kept, int id_gone, CompressedEkf& filter) {
+  RegisteredLandmark& kept = registry_.byId(id_kept);
+  const RegisteredLandmark gone = registry_.byId(id_gone);
+  SparseMeasurement same_place;
+  same_place.innovation = filter.landmark(gone.slot) - filter.landmark(kept.slot);
+  same_place.H_vehicle.resize(2, 0);
+  same_place.landmarks[0] = kept.slot;
+  same_place.landmarks[1] = gone.slot;
+  same_place.H_landmarks[0] = Matrix2d::Identity();
+  same_place.H_landmarks[1] = -Matrix2d::Identity();
+  same_place.noise = kFusionVariance * Matrix2d::Identity();
+  filter.update({same_place});
+
+  kept.observations += gone.observations;
+  kept.farthest_seen_m = std::max(kept.farthest_seen_m, gone.farthest_seen_m);
+  kept.last_seen_s = std::max(kept.last_seen_s, gone.last_seen_s);
+  kept.existence_log_odds = std::max(kept.existence_log_odds, gone.existence_log_odds);
+  kept.distinct_from.insert(gone.distinct_from.begin(), gone.distinct_from.end());
+  drop(id_gone, filter);
+  merges_.push_back({id_gone, id_kept});
+  ++counts_.merged;
+}
+
+void LandmarkLifeCycle::drop(int id, CompressedEkf& filter) {
+  filter.remove(registry_.byId(id).slot);
+  registry_.remove(id);
+  removals_.emplace_back(version_, id);
+}
+
+double LandmarkLifeCycle::refreshActive(const CompressedEkf& filter) {
+  double farthest = 0.0;
+  for (const int slot : filter.activeSlots()) {
+    RegisteredLandmark& landmark = registry_.bySlot(slot);
+    const double moved = registry_.move(landmark, filter.landmark(slot));
+    farthest = std::max(farthest, moved);
+    landmark.changed_version = version_;
+  }
+  return farthest;
+}
+
+void LandmarkLifeCycle::refreshAll(const CompressedEkf& filter) {
+  std::vector<std::pair<int, double>> deviations;
+  for (const int id : registry_.ids()) {
+    RegisteredLandmark& landmark = registry_.byId(id);
+    if (registry_.move(landmark, filter.landmark(landmark.slot)) > kNoticeableMove_m) {
+      landmark.changed_version = version_;
+    }
+    deviations.emplace_back(id, std::sqrt(filter.covariance(landmark.slot, landmark.slot).trace()));
+  }
+  registry_.setDeviations(deviations);
+}
+
+void LandmarkLifeCycle::clear() {
+  for (const int id : registry_.ids()) removals_.emplace_back(version_, id);
+  registry_.clear();
+  tentative_.clear();
+  merges_.clear();
+  next_id_ = 0;
+}
+
+}  // namespace hymm::core

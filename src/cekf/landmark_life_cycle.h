@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "cekf/cekf_slam_config.h"
+#include "cekf/compressed_ekf.h"
+#include "cekf/landmark_map.h"
+#include "cekf/landmark_registry.h"
+#include "cekf/scan_associator.h"
+#include "cekf/tentative_landmarks.h"
+#include "perception/laser_scan.h"
+
+namespace hymm::core {
+
+/// How landmarks come into the state, are confirmed, missed, dropped, and fused with duplicates.
+/// Owns what is known of them beside their estimates.
+class LandmarkLifeCycle {
+ public:
+  struct Counts {
+    std::size_t created = 0;
+    std::size_t dropped = 0;
+    std::size_t merged = 0;
+  };
+
+  explicit LandmarkLifeCycle(const LandmarkConfig& config);
+
+  /// Notes what the associated observations say of their landmarks.
+  void confirm(const ObservationSet& set, const ScanAssociation& association);
+
+  /// Lets observations without a landmark become tentative ones, and promotes those seen often
+  /// enough into the state. Returns by observation the new landmark's slot, or kNone.
+  std::vector<int> create(const ObservationSet& set, const ScanAssociation& association,
+                          CompressedEkf& filter);
+
+  /// Landmarks that `scan` should have shown and did not lose odds of existence; those that lost
+  /// too much are dropped. Returns how many were missed.
+  int miss(const LaserScan& scan, const ObservationSet& set, const ScanAssociation& association,
+           CompressedEkf& filter);
+
+  /// Fuses landmarks of this scan with others that are the same object.
+  void merge(const ScanAssociation& association, CompressedEkf& filter);
+
+  /// Takes over the filter's positions of active landmarks; returns the farthest move [m].
+  double refreshActive(const CompressedEkf& filter);
+  /// The same for all landmarks, with their deviations.
+  void refreshAll(const CompressedEkf& filter);
+
+  /// Everything changed from now on carries `version`.
+  void setVersion(std::uint64_t version) { version_ = version; }
+  void clear();
+
+  LandmarkRegistry& registry() { return registry_; }
+  const LandmarkRegistry& registry() const { return registry_; }
+  const std::vector<LandmarkMerge>& merges() const { return merges_; }
+  /// (version, id) of each landmark that left.
+  const std::vector<std::pair<std::uint64_t, int>>& removals() const { return removals_; }
+  const Counts& counts() const { return counts_; }
+
+ private:
+  bool isFarFromOthers(const Eigen::Vector2d& position) const;
+  int promote(const Observation& observation, const ObservationSet& set, CompressedEkf& filter);
+  void noteNeighboursSeenTogether(const std::vector<int>& slots);
+  bool areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
+                    CompressedEkf& filter) const;
+  void fuse(int id_kept, int id_gone, CompressedEkf& filter);
+  void drop(int id, CompressedEkf& filter);
+
+  LandmarkConfig config_;
+  double merge_gate_;
+  double hit_log_odds_, miss_log_odds_;
+  LandmarkRegistry registry_;
+  TentativeLandmarks tentative_;
+  std::vector<LandmarkMerge> merges_;
+  std::vector<std::pair<std::uint64_t, int>> removals_;
+  std::uint64_t version_ = 0;
+  long scan_number_ = 0;
+  int next_id_ = 0;
+  Counts counts_;
+};
+
+}  // namespace hymm::core

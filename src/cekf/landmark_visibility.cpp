@@ -1,0 +1,52 @@
+#include "cekf/landmark_visibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hymm::core {
+namespace {
+
+// A return nearer than the landmark's surface by more than this belongs to something before it.
+constexpr double kOcclusionMargin_m = 0.5;
+
+// A landmark is expected where it was seen before, not at the limit of its detection.
+constexpr double kShareOfFarthestSighting = 0.8;
+
+// Half the angle on both sides of a landmark that must be free of nearer things.
+constexpr double kClearance_m = 0.3;
+
+bool hides(float range_m, double surface_m) {
+  return std::isfinite(range_m) && range_m > 0.0F &&
+         static_cast<double>(range_m) < surface_m - kOcclusionMargin_m;
+}
+
+}  // namespace
+
+bool shouldBeVisible(const LaserScan& scan, const Eigen::Vector2d& position,
+                     const RegisteredLandmark& landmark, const LandmarkConfig& config) {
+  const double distance_m = position.norm();
+  const double reach_m =
+      std::min(config.visible_range_m, kShareOfFarthestSighting * landmark.farthest_seen_m);
+  if (distance_m > reach_m || distance_m < std::max(1.0, scan.range_min_m)) return false;
+
+  const double radius_m = std::isfinite(landmark.diameter_m) ? 0.5 * landmark.diameter_m : 0.0;
+  const double half_width = std::asin(std::min(1.0, (radius_m + kClearance_m) / distance_m));
+  const double sign = scan.angle_increment_rad > 0.0 ? 1.0 : -1.0;
+  const double step = std::abs(scan.angle_increment_rad);
+  // Bearing from the first beam on, in the direction of the scan.
+  double offset = sign * (std::atan2(position.y(), position.x()) - scan.angle_min_rad);
+  offset -= 2.0 * kPi * std::floor(offset / (2.0 * kPi));
+  const double span = step * static_cast<double>(scan.ranges_m.size() - 1);
+  const double margin = std::max(half_width, config.field_margin_rad);
+  if (offset < margin || offset > span - margin) return false;
+
+  const auto first = static_cast<std::size_t>(std::floor((offset - half_width) / step));
+  const auto last = static_cast<std::size_t>(std::ceil((offset + half_width) / step));
+  const double surface_m = distance_m - radius_m;
+  return std::none_of(
+      scan.ranges_m.begin() + static_cast<std::ptrdiff_t>(first),
+      scan.ranges_m.begin() + static_cast<std::ptrdiff_t>(std::min(last + 1, scan.ranges_m.size())),
+      [&](float range_m) { return hides(range_m, surface_m); });
+}
+
+}  // namespace hymm::core

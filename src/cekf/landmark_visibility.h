@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "cekf/cekf_slam_config.h"
+#include "cekf/landmark_registry.h"
+#include "common/pose2.h"
+#include "perception/laser_scan.h"
+
+namespace hymm::core {
+
+/// Whether a scan should have shown a landmark at `position` (sensor frame): within its range of
+/// visibility, inside the field of view, and with beams that pass its place. A landmark that
+/// something nearer hides is not expected.
+bool shouldBeVisible(const LaserScan& scan, const Eigen::Vector2d& position,
+                     const RegisteredLandmark& landmark, const LandmarkConfig& config);
+
+}  // namespace hymm::core

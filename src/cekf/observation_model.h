@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/pose2.h"
+
+namespace hymm::core {
+
+/// Range [m] and bearing [rad] of a landmark from a sensor on the vehicle, and the Jacobians.
+struct RangeBearing {
+  Eigen::Vector2d value;               ///< (range, bearing in the sensor's frame)
+  Eigen::Matrix<double, 2, 3> H_pose;  ///< by the vehicle's pose (x, y, yaw)
+  Eigen::Matrix2d H_landmark;          ///< by the landmark's position
+};
+
+/// What a sensor at `T_base_sensor` on a vehicle at `T_map_base` measures of `landmark` (map
+/// frame). A landmark at the sensor itself has no bearing: its range is taken as 1 mm.
+RangeBearing predictRangeBearing(const Pose2& T_map_base, const Pose2& T_base_sensor,
+                                 const Eigen::Vector2d& landmark);
+
+/// Where a measurement puts a landmark in the map, and the Jacobians.
+struct LocatedLandmark {
+  Eigen::Vector2d position;
+  Eigen::Matrix<double, 2, 3> G_pose;  ///< by the vehicle's pose
+  Eigen::Matrix2d G_measurement;       ///< by (range, bearing)
+};
+
+LocatedLandmark locateLandmark(const Pose2& T_map_base, const Pose2& T_base_sensor, double range_m,
+                               double bearing_rad);
+
+}  // namespace hymm::core

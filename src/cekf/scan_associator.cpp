@@ -1,0 +1,185 @@
+#include "cekf/scan_associator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "cekf/observation_model.h"
+#include "cekf/vehicle_state.h"
+#include "common/chi_square.h"
+
+namespace hymm::core {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+// What a person would call the same object, whatever the covariances say.
+constexpr double kSearchMargin_m = 0.5;
+
+bool sameKind(LandmarkType a, LandmarkType b) {
+  return a == b || a == LandmarkType::kUnknown || b == LandmarkType::kUnknown;
+}
+
+double largestDeviation(const Matrix2d& covariance) {
+  return std::sqrt(std::max(covariance.trace(), 0.0));
+}
+
+/// Squared deviations between two diameters, 0 where one is unknown.
+double diameterCost(const Observation& observation, const RegisteredLandmark& landmark,
+                    double irregularity_m) {
+  const double difference = observation.diameter_m - landmark.diameter_m;
+  const double variance = observation.diameter_variance + landmark.diameter_variance +
+                          2.0 * irregularity_m * irregularity_m;
+  const double cost = difference * difference / variance;
+  return std::isfinite(cost) ? cost : 0.0;
+}
+
+}  // namespace
+
+SparseMeasurement measurementOf(const Observation& observation, const Pose2& T_base_sensor,
+                                int slot, const Vector2d& landmark, const CompressedEkf& filter) {
+  const RangeBearing z = predictRangeBearing(VehicleState::pose(filter), T_base_sensor, landmark);
+  SparseMeasurement measurement;
+  measurement.innovation << observation.range_m - z.value[0],
+      wrapAngle(observation.bearing_rad - z.value[1]);
+  measurement.H_vehicle.setZero(2, filter.vehicleStates());
+  measurement.H_vehicle.leftCols<3>() = z.H_pose;
+  measurement.landmarks[0] = slot;
+  measurement.H_landmarks[0] = z.H_landmark;
+  measurement.noise = observation.covariance;
+  return measurement;
+}
+
+ScanAssociator::ScanAssociator(const AssociationConfig& config)
+    : config_(config),
+      individual_gate_(chiSquareQuantile(config.individual_probability, 2)),
+      new_landmark_gate_(chiSquareQuantile(config.new_landmark_probability, 2)),
+      identity_gate_(chiSquareQuantile(config.identity_probability, 2)),
+      joint_({individual_gate_, config.joint_probability, config.max_nodes}) {}
+
+ScanAssociation ScanAssociator::associate(const ObservationSet& set, LandmarkRegistry& registry,
+                                          CompressedEkf& filter) const {
+  const std::size_t n = set.observations.size();
+  ScanAssociation result;
+  result.slots.assign(n, ScanAssociation::kNone);
+  result.claimed.assign(n, false);
+  result.ignored.assign(n, false);
+
+  const bool has_identities =
+      std::any_of(set.observations.begin(), set.observations.end(),
+                  [](const Observation& observation) { return observation.identity >= 0; });
+  if (has_identities) associateByIdentity(set, registry, filter, result);
+
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (set.observations[i].identity >= 0) continue;
+    if (has_identities && !config_.use_unidentified) {
+      result.ignored[i] = true;
+      continue;
+    }
+    const auto compatible = compatibleLandmarks(set, static_cast<int>(i), registry, filter, result);
+    if (compatible.size() >= 2) ++result.ambiguous;
+    candidates.insert(candidates.end(), compatible.begin(), compatible.end());
+  }
+  if (!candidates.empty()) chooseJointly(candidates, filter, result);
+  return result;
+}
+
+void ScanAssociator::associateByIdentity(const ObservationSet& set, LandmarkRegistry& registry,
+                                         CompressedEkf& filter, ScanAssociation& result) const {
+  for (std::size_t i = 0; i < set.observations.size(); ++i) {
+    const Observation& observation = set.observations[i];
+    if (observation.identity < 0) continue;
+    const RegisteredLandmark* landmark = registry.findIdentity(observation.identity);
+    if (landmark == nullptr) continue;
+    result.claimed[i] = true;
+    filter.activate(landmark->slot);
+    const SparseMeasurement measurement = measurementOf(
+        observation, set.T_base_sensor, landmark->slot, filter.landmark(landmark->slot), filter);
+    const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise;
+    const bool seen_twice =
+        std::find(result.slots.begin(), result.slots.end(), landmark->slot) != result.slots.end();
+    if (seen_twice ||
+        measurement.innovation.dot(S.inverse() * measurement.innovation) > identity_gate_) {
+      continue;
+    }
+    result.slots[i] = landmark->slot;
+    result.measurements.push_back(measurement);
+  }
+}
+
+std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
+    const ObservationSet& set, int observation_index, const LandmarkRegistry& registry,
+    CompressedEkf& filter, ScanAssociation& result) const {
+  const auto i = static_cast<std::size_t>(observation_index);
+  const Observation& observation = set.observations[i];
+  const Eigen::MatrixXd P_vv = filter.vehicleCovariance();
+  const LocatedLandmark located = locateLandmark(VehicleState::pose(filter), set.T_base_sensor,
+                                                 observation.range_m, observation.bearing_rad);
+  const Matrix2d own =
+      located.G_pose * P_vv.topLeftCorner<3, 3>() * located.G_pose.transpose() +
+      located.G_measurement * observation.covariance * located.G_measurement.transpose();
+  // The deviation of a difference is at most the sum of both deviations.
+  const double gate = std::sqrt(new_landmark_gate_);
+  const double own_reach_m = kSearchMargin_m + gate * largestDeviation(own);
+  const double reach_m = own_reach_m + gate * registry.largestDeviation();
+
+  std::vector<Candidate> candidates;
+  for (const int slot : registry.slotsNear(located.position, reach_m)) {
+    const RegisteredLandmark& landmark = registry.bySlot(slot);
+    const double distance_m = (landmark.position - located.position).norm();
+    if (distance_m > own_reach_m + gate * landmark.deviation_m) continue;
+    filter.activate(slot);
+    Candidate candidate;
+    candidate.measurement =
+        measurementOf(observation, set.T_base_sensor, slot, filter.landmark(slot), filter);
+    const Matrix2d S = filter.innovationCovariance(candidate.measurement, candidate.measurement) +
+                       candidate.measurement.noise;
+    const Vector2d& innovation = candidate.measurement.innovation;
+    const double distance2 = innovation.dot(S.inverse() * innovation);
+    if (distance2 <= new_landmark_gate_) result.claimed[i] = true;
+    if (distance2 > individual_gate_ || !sameKind(observation.type, landmark.type)) continue;
+    const double cue = config_.use_diameter
+                           ? diameterCost(observation, landmark, config_.diameter_irregularity_m)
+                           : 0.0;
+    if (cue > individual_gate_) continue;
+    candidate.pairing = {observation_index, slot, innovation, cue};
+    candidate.distance2 = distance2;
+    candidates.push_back(candidate);
+  }
+  if (candidates.size() > kMaxCandidates) {
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const auto& a, const auto& b) { return a.distance2 < b.distance2; });
+    candidates.resize(kMaxCandidates);
+  }
+  return candidates;
+}
+
+void ScanAssociator::chooseJointly(const std::vector<Candidate>& candidates,
+                                   const CompressedEkf& filter, ScanAssociation& result) const {
+  const auto n = static_cast<Eigen::Index>(candidates.size());
+  std::vector<Pairing> pairings;
+  Eigen::MatrixXd S(2 * n, 2 * n);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    const Candidate& row = candidates[static_cast<std::size_t>(a)];
+    pairings.push_back(row.pairing);
+    for (Eigen::Index b = 0; b <= a; ++b) {
+      Matrix2d block = filter.innovationCovariance(
+          row.measurement, candidates[static_cast<std::size_t>(b)].measurement);
+      if (a == b) block += row.measurement.noise;
+      S.block<2, 2>(2 * a, 2 * b) = block;
+      S.block<2, 2>(2 * b, 2 * a) = block.transpose();
+    }
+  }
+  const JointHypothesis best = joint_.find(pairings, S, static_cast<int>(result.slots.size()));
+  for (std::size_t i = 0; i < result.slots.size(); ++i) {
+    if (best.pairings[i] < 0) continue;
+    const Candidate& chosen = candidates[static_cast<std::size_t>(best.pairings[i])];
+    result.slots[i] = chosen.pairing.landmark;
+    result.measurements.push_back(chosen.measurement);
+  }
+}
+
+}  // namespace hymm::core

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <vector>
+
+#include "cekf/cekf_slam_config.h"
+#include "cekf/compressed_ekf.h"
+#include "cekf/joint_compatibility.h"
+#include "cekf/landmark_registry.h"
+#include "perception/observation.h"
+
+namespace hymm::core {
+
+/// Which observations of a set belong to which landmarks.
+struct ScanAssociation {
+  static constexpr int kNone = -1;
+
+  std::vector<int> slots;     ///< by observation: the landmark's slot, or kNone
+  std::vector<bool> claimed;  ///< by observation: too near a landmark to be a new one
+  std::vector<bool> ignored;  ///< by observation: without identity, where the set has identities
+  std::vector<SparseMeasurement> measurements;  ///< of the observations with a landmark, in order
+  int ambiguous = 0;  ///< observations with two or more compatible landmarks
+};
+
+/// Associates observations with landmarks: by identity where the sensor reads one, else by joint
+/// compatibility over those that pass the individual gates. Activates the landmarks that it
+/// considers.
+class ScanAssociator {
+ public:
+  explicit ScanAssociator(const AssociationConfig& config);
+
+  ScanAssociation associate(const ObservationSet& set, LandmarkRegistry& registry,
+                            CompressedEkf& filter) const;
+
+ private:
+  struct Candidate {
+    Pairing pairing;
+    SparseMeasurement measurement;
+    double distance2 = 0.0;  ///< squared Mahalanobis distance of the innovation alone
+  };
+
+  /// Bounds the work in a world denser than the parameters expect.
+  static constexpr std::size_t kMaxCandidates = 5;
+
+  void associateByIdentity(const ObservationSet& set, LandmarkRegistry& registry,
+                           CompressedEkf& filter, ScanAssociation& result) const;
+  std::vector<Candidate> compatibleLandmarks(const ObservationSet& set, int observation,
+                                             const LandmarkRegistry& registry,
+                                             CompressedEkf& filter, ScanAssociation& result) const;
+  void chooseJointly(const std::vector<Candidate>& candidates, const CompressedEkf& filter,
+                     ScanAssociation& result) const;
+
+  AssociationConfig config_;
+  double individual_gate_;
+  double new_landmark_gate_;
+  double identity_gate_;
+  JointCompatibility joint_;
+};
+
+/// The measurement of an observation of the landmark in `slot`, which need not be active.
+SparseMeasurement measurementOf(const Observation& observation, const Pose2& T_base_sensor,
+                                int slot, const Eigen::Vector2d& landmark,
+                                const CompressedEkf& filter);
+
+}  // namespace hymm::core

@@ -1,0 +1,103 @@
+#include "cekf/vehicle_state.h"
+
+namespace hymm::core {
+
+VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum)
+    : model_(vehicle), hold_limit_s_(vehicle.noise.hold_limit_s) {
+  const CalibrationPrior& prior = vehicle.calibration;
+  calibration_deviation_ = {
+      prior.speed_scale_deviation, prior.turn_scale_deviation,
+      twist ? prior.yaw_rate_offset_deviation_radps : prior.steering_offset_deviation_rad};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (calibration_deviation_[k] > 0.0) calibration_index_[k] = size_++;
+  }
+  if (with_gps_datum) {
+    gps_datum_index_ = size_;
+    size_ += 3;
+  }
+}
+
+Eigen::VectorXd VehicleState::initialState() const {
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(size_);
+  const Eigen::Vector3d nominal = Calibration{}.vector();
+  for (int k = 0; k < 3; ++k) {
+    const int index = calibration_index_[static_cast<std::size_t>(k)];
+    if (index >= 0) state[index] = nominal[k];
+  }
+  return state;
+}
+
+Eigen::MatrixXd VehicleState::initialCovariance() const {
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size_, size_);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int index = calibration_index_[k];
+    if (index >= 0)
+      covariance(index, index) = calibration_deviation_[k] * calibration_deviation_[k];
+  }
+  return covariance;
+}
+
+Calibration VehicleState::calibration(const Eigen::VectorXd& state) const {
+  Eigen::Vector3d values = Calibration{}.vector();
+  for (int k = 0; k < 3; ++k) {
+    const int index = calibration_index_[static_cast<std::size_t>(k)];
+    if (index >= 0) values[k] = state[index];
+  }
+  return Calibration::fromVector(values);
+}
+
+Eigen::Matrix3d VehicleState::calibrationCovariance(
+    const Eigen::MatrixXd& vehicle_covariance) const {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const int a = calibration_index_[static_cast<std::size_t>(i)];
+      const int b = calibration_index_[static_cast<std::size_t>(j)];
+      if (a >= 0 && b >= 0) covariance(i, j) = vehicle_covariance(a, b);
+    }
+  }
+  return covariance;
+}
+
+bool VehicleState::takeInput(CompressedEkf& filter, const MotionInput& input) {
+  const bool later = !has_input_ || timeOf(input) > timeOf(input_);
+  if (!isFinite(input) || !later || timeOf(input) < time_s_) return false;
+  moveTo(filter, timeOf(input));
+  input_ = input;
+  has_input_ = true;
+  in_gap_ = false;
+  return true;
+}
+
+void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
+  if (!started_) {
+    started_ = true;
+    time_s_ = time_s;
+    if (!has_input_) input_ = TwistInput{time_s, 0.0, 0.0, 0.0};
+    return;
+  }
+  const double duration_s = time_s - time_s_;
+  if (duration_s <= 0.0) return;
+  const double age_s = time_s_ - timeOf(input_);
+  if (!in_gap_ && age_s + duration_s > hold_limit_s_) {
+    in_gap_ = true;
+    ++gaps_;
+  }
+
+  Eigen::VectorXd state = filter.vehicle();
+  const MotionStep step = model_.step(Pose2::fromVector(state.head<3>()), input_,
+                                      calibration(state), age_s, duration_s);
+  state.head<3>() = step.pose.vector();
+  Eigen::MatrixXd J = Eigen::MatrixXd::Identity(size_, size_);
+  J.topLeftCorner<3, 3>() = step.J_pose;
+  for (int k = 0; k < 3; ++k) {
+    const int index = calibration_index_[static_cast<std::size_t>(k)];
+    if (index >= 0) J.block<3, 1>(0, index) = step.J_calibration.col(k);
+  }
+  Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(size_, size_);
+  Q.topLeftCorner<3, 3>() = step.noise;
+  filter.predict(state, J, Q);
+  time_s_ = time_s;
+}
+
+}  // namespace hymm::core

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "cekf/compressed_ekf.h"
+#include "vehicle/motion_model.h"
+
+namespace hymm::core {
+
+/// The vehicle's part of the filter's state: pose (x, y, yaw), those calibration values that are
+/// estimated, and where east and north lie in the map if GPS is fused. Carries it along the motion.
+class VehicleState {
+ public:
+  /// `twist` says which of the vehicle's calibration priors concern the turn.
+  VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum);
+
+  int size() const { return size_; }
+  /// First of the three states (x, y, yaw) of T_map_enu, or -1.
+  int gpsDatumIndex() const { return gps_datum_index_; }
+  Eigen::VectorXd initialState() const;
+  Eigen::MatrixXd initialCovariance() const;
+
+  static Pose2 pose(const CompressedEkf& filter) {
+    return Pose2::fromVector(filter.vehicle().head<3>());
+  }
+  Calibration calibration(const Eigen::VectorXd& state) const;
+  /// Covariance of (speed scale, turn scale, turn offset); zero for what is not estimated.
+  Eigen::Matrix3d calibrationCovariance(const Eigen::MatrixXd& vehicle_covariance) const;
+
+  /// Moves the filter to `time_s` with the input in force, then puts `input` in force. False, and
+  /// nothing changes, if the input is not finite or not later than the last.
+  bool takeInput(CompressedEkf& filter, const MotionInput& input);
+
+  /// Moves the filter to `time_s` with the input in force, as standing still before the first.
+  void moveTo(CompressedEkf& filter, double time_s);
+
+  bool hasInput() const { return has_input_; }
+  double time_s() const { return time_s_; }
+  std::size_t gaps() const { return gaps_; }
+
+ private:
+  MotionModel model_;
+  double hold_limit_s_;
+  std::array<int, 3> calibration_index_{-1, -1, -1};
+  std::array<double, 3> calibration_deviation_{0.0, 0.0, 0.0};
+  int gps_datum_index_ = -1;
+  int size_ = 3;
+
+  MotionInput input_ = TwistInput{};
+  bool has_input_ = false;
+  bool started_ = false;
+  bool in_gap_ = false;
+  double time_s_ = -std::numeric_limits<double>::infinity();
+  std::size_t gaps_ = 0;
+};
+
+}  // namespace hymm::core
