@@ -10,12 +10,13 @@ namespace hymm::core {
 namespace {
 
 /// The hits of a shape, thinned out evenly if there are more than the fit takes.
-TrunkEvidence gatherEvidence(const BeamView& beams, int first, int last, int hits, int lower_gap,
-                             int upper_gap) {
+TrunkEvidence gatherEvidence(const BeamView& beams, int first, int last, int hits, double nearest_m,
+                             int lower_gap, int upper_gap) {
   const double spacing = beams.spacing();
   const double middle = 0.5 * (first + last);
   const int stride = (hits + TrunkEvidence::kMaxHits - 1) / TrunkEvidence::kMaxHits;
   TrunkEvidence evidence;
+  evidence.nearest_m = nearest_m;
   evidence.half_extent_rad = 0.5 * (last - first) * spacing;
   evidence.lower_gap_rad = lower_gap * spacing;
   evidence.upper_gap_rad = upper_gap * spacing;
@@ -129,8 +130,8 @@ std::optional<Observation> TrunkDetector::observe(const BeamView& beams, const S
   if (!lower_gap) return std::nullopt;
   const auto upper_gap = edgeGap(beams, shape.last, 1);
   if (!upper_gap) return std::nullopt;
-  const TrunkEvidence evidence =
-      gatherEvidence(beams, shape.first, shape.last, shape.hits, *lower_gap, *upper_gap);
+  const TrunkEvidence evidence = gatherEvidence(beams, shape.first, shape.last, shape.hits,
+                                                shape.nearest_m, *lower_gap, *upper_gap);
   const TrunkEstimate estimate = fitTrunk(evidence, noise_, config_.shape_deviation);
   if (!isTrunk(estimate, evidence.hits)) return std::nullopt;
   return toObservation(beams, shape, estimate);

@@ -27,7 +27,7 @@ struct CircleHypothesis {
 CircleHypothesis fitDistance(const TrunkEvidence& evidence, const LaserNoise& noise,
                              double shape_deviation, double bearing_rad, double half_angle_rad) {
   const double k = std::sin(half_angle_rad);
-  const double nominal_range_m = evidence.ranges_m[0] / (1.0 - k);
+  const double nominal_range_m = evidence.nearest_m / (1.0 - k);
   const double shape_m = shape_deviation * k * nominal_range_m;
   const double range_variance = noise.range_noise_m * noise.range_noise_m + shape_m * shape_m;
   const double footprint_m = nominal_range_m * noise.beam_width_rad / std::sqrt(12.0);

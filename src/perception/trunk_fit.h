@@ -17,6 +17,7 @@ struct TrunkEvidence {
   int hits = 0;
   std::array<double, kMaxHits> offsets_rad;  ///< of the hits
   std::array<double, kMaxHits> ranges_m;
+  double nearest_m = 0.0;        ///< of the ranges
   double half_extent_rad = 0.0;  ///< of the outermost hits from the middle
   double lower_gap_rad = 0.0;    ///< from the first hit to the miss before it
   double upper_gap_rad = 0.0;    ///< from the last hit to the miss after it
