@@ -34,7 +34,7 @@ struct DriveConfig {
 
 /// What the encoders (or the odometry) report. Their random errors are those that the vehicle's
 /// `noise` claims, so that a filter that is given the same vehicle knows the truth about them.
-struct SimulatedMotionConfig {
+struct MotionSensorConfig {
   std::string output = "dead_reckoning";  ///< or "odom": a twist in place of speed and steering
   double rate_hz = 40.0;
   double noise_scale = 1.0;      ///< times the deviations that the vehicle claims
@@ -47,7 +47,7 @@ struct SimulatedMotionConfig {
 };
 
 /// A planar laser. A scan is taken at one instant: motion within a turn is not simulated.
-struct SimulatedLaserConfig {
+struct LaserConfig {
   bool enabled = true;
   double rate_hz = 5.0;
   double field_of_view_rad = kPi;
@@ -69,7 +69,7 @@ struct SimulatedLaserConfig {
 };
 
 /// A detector of landmarks that hands out ranges and bearings, in place of scans.
-struct SimulatedDetectorConfig {
+struct DetectionConfig {
   bool enabled = false;
   double rate_hz = 5.0;
   double field_of_view_rad = kPi;
@@ -87,7 +87,7 @@ struct SimulatedDetectorConfig {
 
 /// A GPS receiver with the weaknesses of real ones. Fixes are of the antenna, in the local
 /// east-north frame of the world.
-struct SimulatedGpsConfig {
+struct GpsConfig {
   bool enabled = true;
   double rate_hz = 1.0;
   double deviation_m = 0.3;        ///< white
@@ -109,10 +109,10 @@ struct SimulatedGpsConfig {
 struct SimulationConfig {
   WorldConfig world;
   DriveConfig drive;
-  SimulatedMotionConfig motion;
-  SimulatedLaserConfig laser;
-  SimulatedDetectorConfig detections;
-  SimulatedGpsConfig gps;
+  MotionSensorConfig motion;
+  LaserConfig laser;
+  DetectionConfig detections;
+  GpsConfig gps;
 
   void describe(ConfigSchema& schema);
 };

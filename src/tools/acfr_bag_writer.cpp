@@ -19,6 +19,9 @@ namespace {
 // The recordings are planar; nothing is known about height.
 constexpr double kHeightVariance_m2 = 1e4;
 
+// Bag times this much behind the last are a tie that was pushed on, not a clock that ran back.
+const ros::Duration kTie(1e-6);
+
 geometry_msgs::TransformStamped mountingMessage(const core::SensorMounting& mounting,
                                                 const std::string& base_frame,
                                                 const std::string& sensor_frame,
@@ -72,18 +75,24 @@ void AcfrBagWriter::writeGpsOrigin(double time_s) {
   writeLatched("/gps/origin", time_s, origin);
 }
 
+ros::Time AcfrBagWriter::nextBagTime(const ros::Time& stamp) {
+  const bool is_tie = stamp <= last_bag_time_ && last_bag_time_ - stamp < kTie;
+  last_bag_time_ = is_tie ? last_bag_time_ + ros::Duration(0, 1) : stamp;
+  return last_bag_time_;
+}
+
 void AcfrBagWriter::write(const core::LaserScan& scan) {
-  bag_.write("/scan", ros::Time(scan.time_s), toMessage(scan, vehicle_.laser_frame));
+  bag_.write("/scan", nextBagTime(ros::Time(scan.time_s)), toMessage(scan, vehicle_.laser_frame));
 }
 
 void AcfrBagWriter::write(const core::AckermannInput& input) {
-  const ros::Time stamp(input.time_s);
-  bag_.write("/dead_reckoning", stamp, toMessage(input, vehicle_.base_frame));
+  const ros::Time time = nextBagTime(ros::Time(input.time_s));
+  bag_.write("/dead_reckoning", time, toMessage(input, vehicle_.base_frame));
   if (!dead_reckoning_.process(input)) return;
-  bag_.write("/odom", stamp, odometryMessage(dead_reckoning_, vehicle_));
+  bag_.write("/odom", time, odometryMessage(dead_reckoning_, vehicle_));
   tf2_msgs::TFMessage transforms;
   transforms.transforms = {odometryTransform(dead_reckoning_, vehicle_)};
-  bag_.write("/tf", stamp, transforms);
+  bag_.write("/tf", time, transforms);
 }
 
 void AcfrBagWriter::write(const core::LocalFix& fix) {
@@ -103,7 +112,7 @@ void AcfrBagWriter::write(const core::LocalFix& fix) {
   message.position_covariance[0] = message.position_covariance[4] = variance;
   message.position_covariance[8] = kHeightVariance_m2;
   message.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_APPROXIMATED;
-  bag_.write("/gps/fix", message.header.stamp, message);
+  bag_.write("/gps/fix", nextBagTime(message.header.stamp), message);
 }
 
 }  // namespace hymm

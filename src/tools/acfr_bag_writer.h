@@ -21,8 +21,10 @@ struct GpsAssumptions {
 
 /// Writes a recording of ACFR's utility car to a bag, as its ROS drivers would have published it:
 /// /scan, /dead_reckoning, /odom and /tf from the wheel model, /gps/fix, and, latched at the start,
-/// /tf_static and /gps/origin (the zero of the fixes' local frame). A message's bag time is its
-/// stamp.
+/// /tf_static and /gps/origin (the zero of the fixes' local frame).
+///
+/// The time of a message in the bag is its stamp, but events that share a stamp follow each other
+/// by a nanosecond there, because readers sort by that time: so they come in the recording's order.
 class AcfrBagWriter {
  public:
   AcfrBagWriter(rosbag::Bag& bag, const core::VehicleConfig& vehicle, const GpsAssumptions& gps);
@@ -37,6 +39,7 @@ class AcfrBagWriter {
   void write(const core::LocalFix& fix);
 
  private:
+  ros::Time nextBagTime(const ros::Time& stamp);
   template <class Message>
   void writeLatched(const std::string& topic, double time_s, const Message& message);
 
@@ -45,6 +48,7 @@ class AcfrBagWriter {
   GpsAssumptions gps_;
   GeographicLib::LocalCartesian local_frame_;
   core::DeadReckoning dead_reckoning_;
+  ros::Time last_bag_time_;
 };
 
 }  // namespace hymm

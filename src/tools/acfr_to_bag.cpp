@@ -93,6 +93,8 @@ void writeBag(const core::AcfrRecording& recording, const core::VehicleConfig& v
   core::UnfinishedFile file(arguments.output);
   {
     rosbag::Bag bag(file.path().string(), rosbag::bagmode::Write);
+    // Victoria Park: a quarter of the size for 0.06 s more of reading it all.
+    bag.setCompression(rosbag::compression::LZ4);
     AcfrBagWriter writer(bag, vehicle, arguments.gps);
     const double start_s = recording.timeOf(recording.events.front());
     writer.writeMountings(start_s);
