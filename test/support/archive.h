@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include <zip.h>
+
+namespace hymm::test {
+
+/// Packs files, by name in the archive, into a .zip.
+inline void writeArchive(const std::filesystem::path& path,
+                         const std::map<std::string, std::string>& files) {
+  zip_t* archive = zip_open(path.c_str(), ZIP_CREATE | ZIP_TRUNCATE, nullptr);
+  if (archive == nullptr) throw std::runtime_error("cannot make an archive");
+  for (const auto& [name, content] : files) {
+    zip_source_t* source = zip_source_buffer(archive, content.data(), content.size(), 0);
+    if (zip_file_add(archive, name.c_str(), source, ZIP_FL_ENC_UTF_8) < 0) {
+      throw std::runtime_error("cannot pack " + name);
+    }
+  }
+  if (zip_close(archive) != 0) throw std::runtime_error("cannot write the archive");
+}
+
+}  // namespace hymm::test
