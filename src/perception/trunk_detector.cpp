@@ -160,13 +160,16 @@ Observation TrunkDetector::toObservation(const BeamView& beams, const Shape& sha
   observation.covariance(0, 1) *= direction;
   observation.covariance(1, 0) *= direction;
   // What no number of beams averages out: errors that an object's beams share, and a trunk that
-  // is not round. Its front and its two edges are each off by the same deviation.
+  // is not round. An ellipse that is longer along the view by d is narrower across it by d: its
+  // front and its width each put the centre off by d, in the same direction. A trunk that is not
+  // even symmetric has its edges off independently.
   const double shape_variance = std::pow(config_.shape_deviation * 0.5 * estimate.mean[2], 2);
-  observation.covariance(0, 0) += std::pow(noise_.range_offset_deviation_m, 2) + shape_variance;
+  observation.covariance(0, 0) +=
+      std::pow(noise_.range_offset_deviation_m, 2) + 4.0 * shape_variance;
   observation.covariance(1, 1) +=
       std::pow(noise_.bearing_offset_deviation_rad, 2) + 0.5 * shape_variance / (range_m * range_m);
   observation.diameter_m = estimate.mean[2];
-  observation.diameter_variance = estimate.covariance(2, 2) + 2.0 * shape_variance;
+  observation.diameter_variance = estimate.covariance(2, 2) + 4.0 * shape_variance;
   return observation;
 }
 

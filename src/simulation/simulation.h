@@ -5,30 +5,12 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "pipeline/sensor_event.h"
 #include "simulation/simulation_config.h"
+#include "simulation/truth.h"
 #include "vehicle/motion_model.h"
 
 namespace hymm::core {
-
-/// A landmark as it stands in the world: something slim that sensors can find again.
-struct TrueLandmark {
-  int id = -1;
-  LandmarkType type = LandmarkType::kUnknown;
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of its centre in map, m
-  double diameter_m = 0.0;
-};
-
-/// The static solid world as cells in map axes: row-major from the corner of least x and y.
-struct TrueOccupancy {
-  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< least corner of cell (0, 0) in map, m
-  double resolution_m = 0.0;
-  int width = 0;   ///< cells along x
-  int height = 0;  ///< cells along y
-  std::vector<bool> occupied;
-};
 
 /// One sensor event and what was true when it happened.
 struct SimulatedEvent {
@@ -75,8 +57,5 @@ class Simulation {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// Names of the worlds, for instance for a list of choices.
-std::vector<std::string> worldNames();
 
 }  // namespace hymm::core

@@ -34,7 +34,7 @@ struct DriveConfig {
 
 /// What the encoders (or the odometry) report. Their random errors are those that the vehicle's
 /// `noise` claims, so that a filter that is given the same vehicle knows the truth about them.
-struct MotionSensorConfig {
+struct SimulatedMotionConfig {
   std::string output = "dead_reckoning";  ///< or "odom": a twist in place of speed and steering
   double rate_hz = 40.0;
   double noise_scale = 1.0;      ///< times the deviations that the vehicle claims
@@ -47,7 +47,7 @@ struct MotionSensorConfig {
 };
 
 /// A planar laser. A scan is taken at one instant: motion within a turn is not simulated.
-struct LaserConfig {
+struct SimulatedLaserConfig {
   bool enabled = true;
   double rate_hz = 5.0;
   double field_of_view_rad = kPi;
@@ -69,7 +69,7 @@ struct LaserConfig {
 };
 
 /// A detector of landmarks that hands out ranges and bearings, in place of scans.
-struct DetectionConfig {
+struct SimulatedDetectorConfig {
   bool enabled = false;
   double rate_hz = 5.0;
   double field_of_view_rad = kPi;
@@ -87,7 +87,7 @@ struct DetectionConfig {
 
 /// A GPS receiver with the weaknesses of real ones. Fixes are of the antenna, in the local
 /// east-north frame of the world.
-struct GpsConfig {
+struct SimulatedGpsConfig {
   bool enabled = true;
   double rate_hz = 1.0;
   double deviation_m = 0.3;        ///< white
@@ -109,10 +109,10 @@ struct GpsConfig {
 struct SimulationConfig {
   WorldConfig world;
   DriveConfig drive;
-  MotionSensorConfig motion;
-  LaserConfig laser;
-  DetectionConfig detections;
-  GpsConfig gps;
+  SimulatedMotionConfig motion;
+  SimulatedLaserConfig laser;
+  SimulatedDetectorConfig detections;
+  SimulatedGpsConfig gps;
 
   void describe(ConfigSchema& schema);
 };

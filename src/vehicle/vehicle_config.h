@@ -35,7 +35,7 @@ struct MotionNoise {
   double yaw_rate_deviation_radps = 0.01;     ///< twist
   double yaw_rate_deviation_relative = 0.05;  ///< twist, of the yaw rate
   double lateral_deviation_relative = 0.01;   ///< side slip, of the speed
-  double correlation_time_s = 0.1;
+  double correlation_time_s = 0.5;
   double hold_limit_s = 0.5;                  ///< longest time an input is trusted
   double gap_acceleration_mps2 = 1.0;         ///< growth of the speed's deviation beyond that
   double gap_yaw_rate_deviation_radps = 0.3;  ///< of the yaw rate beyond that

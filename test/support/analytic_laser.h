@@ -8,17 +8,25 @@
 #include <Eigen/Core>
 
 #include "common/angles.h"
+#include "common/pose2.h"
 #include "common/random.h"
 #include "perception/laser_scan.h"
 
 namespace hymm::core {
 
-/// A planar world of discs and line segments in the sensor's frame, and an ideal laser in it:
+/// A planar world of ellipses and line segments in the sensor's frame, and an ideal laser in it:
 /// ranges are exact, a beam has no width. For tests that need to know what is right.
 class AnalyticLaser {
  public:
   AnalyticLaser& disc(double x_m, double y_m, double diameter_m) {
-    discs_.push_back({{x_m, y_m}, 0.5 * diameter_m});
+    return ellipse({x_m, y_m}, diameter_m, diameter_m, 0.0);
+  }
+
+  /// An ellipse whose first axis has the direction `turn_rad`.
+  AnalyticLaser& ellipse(const Eigen::Vector2d& centre, double first_axis_m, double second_axis_m,
+                         double turn_rad) {
+    const Pose2 T_sensor_ellipse{centre.x(), centre.y(), turn_rad};
+    ellipses_.push_back({inverse(T_sensor_ellipse), {2.0 / first_axis_m, 2.0 / second_axis_m}});
     return *this;
   }
 
@@ -35,7 +43,9 @@ class AnalyticLaser {
   double range(double bearing_rad) const {
     const Eigen::Vector2d direction(std::cos(bearing_rad), std::sin(bearing_rad));
     double nearest = std::numeric_limits<double>::infinity();
-    for (const Disc& disc : discs_) nearest = std::min(nearest, rangeToDisc(disc, direction));
+    for (const Ellipse& ellipse : ellipses_) {
+      nearest = std::min(nearest, rangeToEllipse(ellipse, direction));
+    }
     for (const Wall& wall : walls_) nearest = std::min(nearest, rangeToWall(wall, direction));
     return nearest;
   }
@@ -58,20 +68,22 @@ class AnalyticLaser {
   LaserScan halfTurn() const { return scan(-kPi / 2.0, kPi / 360.0, 361); }
 
  private:
-  struct Disc {
-    Eigen::Vector2d centre;
-    double radius;
+  struct Ellipse {
+    Pose2 T_ellipse_sensor;
+    Eigen::Vector2d scale;  ///< makes it the unit circle
   };
   struct Wall {
     Eigen::Vector2d from, to;
   };
 
-  static double rangeToDisc(const Disc& disc, const Eigen::Vector2d& direction) {
-    const double along = disc.centre.dot(direction);
-    const double across_squared = disc.centre.squaredNorm() - along * along;
-    const double half_chord_squared = disc.radius * disc.radius - across_squared;
-    if (half_chord_squared < 0.0 || along < 0.0) return std::numeric_limits<double>::infinity();
-    return along - std::sqrt(half_chord_squared);
+  static double rangeToEllipse(const Ellipse& ellipse, const Eigen::Vector2d& direction) {
+    const Eigen::Vector2d from = ellipse.scale.cwiseProduct(ellipse.T_ellipse_sensor.position());
+    const Eigen::Vector2d along =
+        ellipse.scale.cwiseProduct(ellipse.T_ellipse_sensor.rotation() * direction);
+    const double a = along.squaredNorm(), b = from.dot(along);
+    const double discriminant = b * b - a * (from.squaredNorm() - 1.0);
+    if (discriminant < 0.0 || b > 0.0) return std::numeric_limits<double>::infinity();
+    return (-b - std::sqrt(discriminant)) / a;
   }
 
   static double rangeToWall(const Wall& wall, const Eigen::Vector2d& direction) {
@@ -85,7 +97,7 @@ class AnalyticLaser {
     return met ? range : std::numeric_limits<double>::infinity();
   }
 
-  std::vector<Disc> discs_;
+  std::vector<Ellipse> ellipses_;
   std::vector<Wall> walls_;
 };
 

@@ -1,0 +1,174 @@
+#include "simulation/simulated_laser.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hymm::core {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kDarkReflectivity = 0.1;  // of the target that dark_range_m speaks of
+
+// Intensities, in units of the SICK LMS recordings: a near retro-reflector fills the scale, and
+// what a reflector gives back has halved at 30 m. Other surfaces stay under the first step.
+constexpr double kFullIntensity = 32768.0;
+constexpr double kHalfIntensityRange_m = 30.0;
+constexpr double kDiffuseIntensity = 4096.0;
+
+Eigen::Vector2d directionOf(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
+
+}  // namespace
+
+Scene::Scene(const std::vector<Solid>& standing, const RayCaster& standing_caster,
+             std::vector<Solid> moving)
+    : standing_(standing),
+      standing_caster_(standing_caster),
+      moving_(std::move(moving)),
+      moving_caster_(moving_) {}
+
+std::optional<Scene::Hit> Scene::cast(const Eigen::Vector2d& origin,
+                                      const Eigen::Vector2d& direction, double range_max_m) const {
+  std::optional<Hit> hit;
+  if (const auto met = standing_caster_.cast(origin, direction, range_max_m)) {
+    hit = Hit{met->range_m, met->incidence_cosine, &standing_[met->solid]};
+  }
+  const double limit = hit ? hit->range_m : range_max_m;
+  if (const auto met = moving_caster_.cast(origin, direction, limit)) {
+    hit = Hit{met->range_m, met->incidence_cosine, &moving_[met->solid]};
+  }
+  return hit;
+}
+
+SimulatedLaser::SimulatedLaser(const SimulatedLaserConfig& config, RandomGenerator generator)
+    : config_(config), generator_(generator) {}
+
+LaserScan SimulatedLaser::emptyScan(double time_s) const {
+  const double view = std::min(config_.field_of_view_rad, 2.0 * kPi);
+  const bool whole_turn = view > 2.0 * kPi - 1e-3;  // then the last beam is not the first again
+  LaserScan scan;
+  scan.time_s = time_s;
+  scan.angle_min_rad = -view / 2.0;
+  scan.angle_increment_rad = view / (whole_turn ? config_.beams : config_.beams - 1);
+  scan.range_min_m = config_.range_min_m;
+  scan.range_max_m = config_.range_max_m;
+  scan.ranges_m.reserve(static_cast<std::size_t>(config_.beams));
+  scan.intensities.reserve(static_cast<std::size_t>(config_.beams));
+  return scan;
+}
+
+SimulatedScan SimulatedLaser::scan(const Scene& scene, const std::vector<Disc>& reflectors,
+                                   const Pose2& T_map_laser, double time_s) {
+  SimulatedScan result{emptyScan(time_s), {}};
+  LaserScan& scan = result.scan;
+  const auto beams = static_cast<std::size_t>(config_.beams);
+  std::vector<Hit> hits(beams);
+  for (std::size_t i = 0; i < beams; ++i) {
+    const Eigen::Vector2d direction = directionOf(T_map_laser.yaw_rad + scan.bearing(i));
+    hits[i] = scene.cast(T_map_laser.position(), direction, config_.range_max_m);
+  }
+  widenReflectors(scene, reflectors, T_map_laser, scan, hits);
+
+  for (std::size_t i = 0; i < beams; ++i) {
+    Hit& hit = hits[i];
+    result.beam_landmarks.push_back(hit ? hit->solid->landmark : -1);
+    if (hit && !isReturned(*hit)) hit.reset();
+    double range = kInfinity;
+    if (hit) {
+      range = mixedRange(scene, T_map_laser, scan.bearing(i), hit->range_m);
+      range = measuredRange(range, hit->solid->material.roughness_m);
+    }
+    if (sampleUniform(generator_, 0.0, 1.0) < config_.spurious_return_probability) {
+      range = sampleUniform(generator_, config_.range_min_m, std::min(range, config_.range_max_m));
+      hit.reset();
+    }
+    scan.ranges_m.push_back(reported(range));
+    scan.intensities.push_back(intensity(hit));
+  }
+  return result;
+}
+
+/// A retro-reflector outshines whatever else lies within a beam's width.
+void SimulatedLaser::widenReflectors(const Scene& scene, const std::vector<Disc>& reflectors,
+                                     const Pose2& T_map_laser, const LaserScan& scan,
+                                     std::vector<Hit>& hits) const {
+  for (const Disc& reflector : reflectors) {
+    const Eigen::Vector2d p = inverse(T_map_laser) * reflector.centre;
+    const double distance = p.norm();
+    if (distance <= reflector.radius_m || distance > config_.range_max_m) continue;
+    const double bearing = std::atan2(p.y(), p.x());
+    const auto seen =
+        scene.cast(T_map_laser.position(), directionOf(T_map_laser.yaw_rad + bearing), distance);
+    if (!seen || !seen->solid->material.retro_reflective) continue;
+    const double half_angle =
+        std::asin(reflector.radius_m / distance) + config_.beam_width_rad / 2.0;
+    const double first = (bearing - half_angle - scan.angle_min_rad) / scan.angle_increment_rad;
+    const double last = (bearing + half_angle - scan.angle_min_rad) / scan.angle_increment_rad;
+    const double limit = static_cast<double>(hits.size()) - 1.0;
+    for (double i = std::max(0.0, std::ceil(first)); i <= std::min(limit, last); i += 1.0) {
+      Hit& hit = hits[static_cast<std::size_t>(i)];
+      const bool in_front = !hit || hit->range_m > seen->range_m;
+      if (in_front && (!hit || hit->solid != seen->solid)) hit = seen;
+    }
+  }
+}
+
+/// Enough light comes back from bright, near and upright surfaces; it fades with the square of the
+/// range, and the receiver's threshold is soft.
+bool SimulatedLaser::isReturned(const Scene::Hit& hit) {
+  if (sampleUniform(generator_, 0.0, 1.0) < config_.missed_return_probability) return false;
+  const Material& material = hit.solid->material;
+  if (config_.dark_range_m <= 0.0 || material.retro_reflective) return true;
+  const double fading = config_.dark_range_m / hit.range_m;
+  const double light =
+      material.reflectivity / kDarkReflectivity * hit.incidence_cosine * fading * fading;
+  const double steep = std::pow(light, 4.0);
+  return sampleUniform(generator_, 0.0, 1.0) * (1.0 + steep) < steep;
+}
+
+/// Where the two sides of a beam meet different surfaces, it may report a range between them.
+double SimulatedLaser::mixedRange(const Scene& scene, const Pose2& T_map_laser, double bearing_rad,
+                                  double range_m) {
+  constexpr double kEdge_m = 0.3;
+  if (config_.mixed_pixel_probability <= 0.0) return range_m;
+  double farthest = range_m;
+  for (const double side : {-0.5, 0.5}) {
+    const double angle = T_map_laser.yaw_rad + bearing_rad + side * config_.beam_width_rad;
+    const auto hit = scene.cast(T_map_laser.position(), directionOf(angle), config_.range_max_m);
+    if (hit) farthest = std::max(farthest, hit->range_m);
+  }
+  if (farthest < range_m + kEdge_m) return range_m;
+  if (sampleUniform(generator_, 0.0, 1.0) >= config_.mixed_pixel_probability) return range_m;
+  return sampleUniform(generator_, range_m, farthest);
+}
+
+double SimulatedLaser::measuredRange(double range_m, double roughness_m) {
+  const double relative = config_.range_deviation_relative * range_m;
+  const double deviation = std::sqrt(config_.range_deviation_m * config_.range_deviation_m +
+                                     relative * relative + roughness_m * roughness_m);
+  const double measured = range_m + sampleNormal(generator_, deviation);
+  const double step = config_.range_resolution_m;
+  return step > 0.0 ? step * std::round(measured / step) : measured;
+}
+
+float SimulatedLaser::intensity(const Hit& hit) {
+  double value = sampleNormal(generator_, config_.intensity_deviation);
+  if (hit && hit->solid->material.retro_reflective) {
+    const double faded = hit->range_m / kHalfIntensityRange_m;
+    value += kFullIntensity / (1.0 + faded * faded);
+  } else if (hit) {
+    value += kDiffuseIntensity * hit->solid->material.reflectivity * hit->incidence_cosine;
+  }
+  value = std::clamp(value, 0.0, kFullIntensity);
+  const double step = config_.intensity_step;
+  return static_cast<float>(step > 0.0 ? step * std::floor(value / step) : value);
+}
+
+/// REP-117.
+float SimulatedLaser::reported(double range_m) const {
+  if (range_m < config_.range_min_m) return -std::numeric_limits<float>::infinity();
+  if (range_m > config_.range_max_m) return std::numeric_limits<float>::infinity();
+  return static_cast<float>(range_m);
+}
+
+}  // namespace hymm::core

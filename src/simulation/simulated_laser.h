@@ -1,0 +1,67 @@
+#pragma once
+
+#include <vector>
+
+#include "common/random.h"
+#include "perception/laser_scan.h"
+#include "simulation/ray_caster.h"
+#include "simulation/simulation_config.h"
+#include "simulation/world.h"
+
+namespace hymm::core {
+
+/// The solid world at one moment: what stands, and what moves where it is now.
+class Scene {
+ public:
+  /// `standing` and its caster outlive the scene.
+  Scene(const std::vector<Solid>& standing, const RayCaster& standing_caster,
+        std::vector<Solid> moving);
+
+  struct Hit {
+    double range_m;
+    double incidence_cosine;
+    const Solid* solid;
+  };
+  std::optional<Hit> cast(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
+                          double range_max_m) const;
+
+ private:
+  const std::vector<Solid>& standing_;
+  const RayCaster& standing_caster_;
+  std::vector<Solid> moving_;
+  RayCaster moving_caster_;
+};
+
+struct SimulatedScan {
+  LaserScan scan;
+  std::vector<int> beam_landmarks;  ///< what each beam truly met first, or -1
+};
+
+/// A planar laser with the errors of real ones. All beams of a scan are cast at one instant.
+class SimulatedLaser {
+ public:
+  SimulatedLaser(const SimulatedLaserConfig& config, RandomGenerator generator);
+
+  /// `reflectors` are the places of retro-reflecting discs near the sensor.
+  SimulatedScan scan(const Scene& scene, const std::vector<Disc>& reflectors,
+                     const Pose2& T_map_laser, double time_s);
+
+ private:
+  using Hit = std::optional<Scene::Hit>;
+
+  LaserScan emptyScan(double time_s) const;
+  void widenReflectors(const Scene& scene, const std::vector<Disc>& reflectors,
+                       const Pose2& T_map_laser, const LaserScan& scan,
+                       std::vector<Hit>& hits) const;
+  bool isReturned(const Scene::Hit& hit);
+  double mixedRange(const Scene& scene, const Pose2& T_map_laser, double bearing_rad,
+                    double range_m);
+  double measuredRange(double range_m, double roughness_m);
+  float intensity(const Hit& hit);
+  float reported(double range_m) const;
+
+  SimulatedLaserConfig config_;
+  RandomGenerator generator_;
+};
+
+}  // namespace hymm::core

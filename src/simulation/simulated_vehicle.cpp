@@ -1,0 +1,117 @@
+#include "simulation/simulated_vehicle.h"
+
+#include <cmath>
+
+namespace hymm::core {
+namespace {
+
+/// The exact end of a motion at constant velocity in the vehicle's own axes.
+Pose2 movedAlongArc(const Pose2& from, double forward_mps, double left_mps, double turn_radps,
+                    double duration_s) {
+  const double turn = turn_radps * duration_s;
+  // The chord points half the turn ahead and is shorter than the arc by sin(t/2) / (t/2).
+  const double half = turn / 2.0;
+  const double shortened = std::abs(half) < 1e-6 ? 1.0 : std::sin(half) / half;
+  const Eigen::Vector2d arc(forward_mps * duration_s, left_mps * duration_s);
+  const Pose2 midway{from.x_m, from.y_m, from.yaw_rad + half};
+  const Eigen::Vector2d end = midway * Eigen::Vector2d(shortened * arc);
+  return {end.x(), end.y(), wrapAngle(from.yaw_rad + turn)};
+}
+
+double yawRate(const RouteFollower::Command& command, double wheelbase_m) {
+  return command.speed_mps * std::tan(command.steering_rad) / wheelbase_m;
+}
+
+}  // namespace
+
+SimulatedVehicle::SimulatedVehicle(const VehicleConfig& vehicle,
+                                   const SimulatedMotionConfig& sensor, const DriveConfig& drive,
+                                   const Route& route, double speed_mps, RandomGenerator generator)
+    : vehicle_(vehicle),
+      sensor_(sensor),
+      generator_(generator),
+      calibration_{sensor.speed_scale, sensor.turn_scale, sensor.turn_offset},
+      follower_(route, drive, vehicle, speed_mps),
+      speed_noise_(vehicle.noise.correlation_time_s, generator_),
+      relative_speed_noise_(vehicle.noise.correlation_time_s, generator_),
+      turn_noise_(vehicle.noise.correlation_time_s, generator_),
+      relative_turn_noise_(vehicle.noise.correlation_time_s, generator_),
+      slip_noise_(vehicle.noise.correlation_time_s, generator_),
+      pose_(route.at(0.0)) {
+  drawCalibration();
+}
+
+void SimulatedVehicle::drawCalibration() {
+  if (!sensor_.draw_calibration) return;
+  const CalibrationPrior& prior = vehicle_.calibration;
+  const bool ackermann = sensor_.output == "dead_reckoning";
+  calibration_.speed_scale += sampleNormal(generator_, prior.speed_scale_deviation);
+  calibration_.turn_scale += sampleNormal(generator_, prior.turn_scale_deviation);
+  calibration_.turn_offset +=
+      sampleNormal(generator_, ackermann ? prior.steering_offset_deviation_rad
+                                         : prior.yaw_rate_offset_deviation_radps);
+}
+
+Pose2 SimulatedVehicle::T_map_base(double time_s) const {
+  return movedAlongArc(pose_, command_.speed_mps, slip_mps_,
+                       yawRate(command_, vehicle_.ackermann.wheelbase_m), time_s - since_s_);
+}
+
+MotionInput SimulatedVehicle::control(double time_s, double period_s) {
+  const double passed_s = time_s - since_s_;
+  pose_ = T_map_base(time_s);
+  since_s_ = time_s;
+  advanceNoise(passed_s);
+  command_ =
+      follower_.isDone() ? RouteFollower::Command{} : follower_.follow(pose_, command_, period_s);
+  slip_mps_ = sensor_.noise_scale * vehicle_.noise.lateral_deviation_relative * command_.speed_mps *
+              slip_noise_.value();
+  return report(time_s);
+}
+
+void SimulatedVehicle::advanceNoise(double duration_s) {
+  for (CorrelatedNoise* noise :
+       {&speed_noise_, &relative_speed_noise_, &turn_noise_, &relative_turn_noise_, &slip_noise_}) {
+    noise->advance(duration_s, generator_);
+  }
+}
+
+MotionInput SimulatedVehicle::report(double time_s) const {
+  if (sensor_.output == "odom") return reportTwist(time_s);
+  return reportEncoders(time_s);
+}
+
+AckermannInput SimulatedVehicle::reportEncoders(double time_s) const {
+  const AckermannGeometry& geometry = vehicle_.ackermann;
+  const double steering = command_.steering_rad;
+  // The wheel that carries the encoder runs on a circle of its own: inside, it is slower.
+  const double wheel_speed =
+      command_.speed_mps *
+      (1.0 - std::tan(steering) * geometry.encoder_offset_left_m / geometry.wheelbase_m);
+  const MotionNoise& noise = vehicle_.noise;
+  const double speed_error =
+      sensor_.noise_scale *
+      (noise.speed_deviation_mps * speed_noise_.value() +
+       noise.speed_deviation_relative * wheel_speed * relative_speed_noise_.value());
+  const double steering_error =
+      sensor_.noise_scale * noise.steering_deviation_rad * turn_noise_.value();
+  return {time_s, (wheel_speed - speed_error) / calibration_.speed_scale,
+          (steering - calibration_.turn_offset - steering_error) / calibration_.turn_scale};
+}
+
+TwistInput SimulatedVehicle::reportTwist(double time_s) const {
+  const double yaw_rate = yawRate(command_, vehicle_.ackermann.wheelbase_m);
+  const MotionNoise& noise = vehicle_.noise;
+  const double speed_error =
+      sensor_.noise_scale *
+      (noise.speed_deviation_mps * speed_noise_.value() +
+       noise.speed_deviation_relative * command_.speed_mps * relative_speed_noise_.value());
+  const double turn_error =
+      sensor_.noise_scale *
+      (noise.yaw_rate_deviation_radps * turn_noise_.value() +
+       noise.yaw_rate_deviation_relative * yaw_rate * relative_turn_noise_.value());
+  return {time_s, (command_.speed_mps - speed_error) / calibration_.speed_scale, 0.0,
+          (yaw_rate - calibration_.turn_offset - turn_error) / calibration_.turn_scale};
+}
+
+}  // namespace hymm::core

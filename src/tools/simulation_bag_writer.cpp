@@ -1,0 +1,156 @@
+#include "tools/simulation_bag_writer.h"
+
+#include <algorithm>
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <hymm/DeadReckoning.h>
+#include <hymm/LandmarkMap.h>
+#include <hymm/LandmarkObservations.h>
+#include <nav_msgs/OccupancyGrid.h>
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/NavSatFix.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "ros/odometry_conversions.h"
+#include "ros/pose_conversions.h"
+#include "ros/sensor_conversions.h"
+#include "tools/latched_message.h"
+
+namespace hymm {
+namespace {
+
+const std::string kWriter = "simulate_world";
+const std::string kMapFrame = "map";
+constexpr double kHeightVariance_m2 = 1e4;  // the simulation is planar
+constexpr std::int8_t kOccupied = 100, kFree = 0;
+
+geometry_msgs::TransformStamped mountingMessage(const core::SensorMounting& mounting,
+                                                const std::string& base_frame,
+                                                const std::string& sensor_frame,
+                                                const ros::Time& stamp) {
+  geometry_msgs::TransformStamped message;
+  message.header.stamp = stamp;
+  message.header.frame_id = base_frame;
+  message.child_frame_id = sensor_frame;
+  message.transform = toTransformMessage(mounting.T_base_sensor());
+  return message;
+}
+
+}  // namespace
+
+SimulationBagWriter::SimulationBagWriter(rosbag::Bag& bag, const core::SimulationConfig& config,
+                                         const core::VehicleConfig& vehicle)
+    : bag_(bag),
+      config_(config),
+      vehicle_(vehicle),
+      local_frame_(config.gps.origin_latitude_deg, config.gps.origin_longitude_deg,
+                   config.gps.origin_altitude_m),
+      dead_reckoning_(vehicle) {}
+
+void SimulationBagWriter::writeMountings(double time_s) {
+  const ros::Time stamp(time_s);
+  tf2_msgs::TFMessage mountings;
+  mountings.transforms = {
+      mountingMessage(vehicle_.laser, vehicle_.base_frame, vehicle_.laser_frame, stamp),
+      mountingMessage(vehicle_.gps_antenna, vehicle_.base_frame, vehicle_.gps_frame, stamp)};
+  writeLatched(bag_, "/tf_static", stamp, mountings, kWriter);
+}
+
+void SimulationBagWriter::writeGpsOrigin(double time_s) {
+  sensor_msgs::NavSatFix origin;
+  origin.header.stamp = ros::Time(time_s);
+  origin.header.frame_id = vehicle_.gps_frame;
+  origin.status.status = sensor_msgs::NavSatStatus::STATUS_NO_FIX;  // agreed upon, not measured
+  origin.latitude = config_.gps.origin_latitude_deg;
+  origin.longitude = config_.gps.origin_longitude_deg;
+  origin.altitude = config_.gps.origin_altitude_m;
+  writeLatched(bag_, "/gps/origin", origin.header.stamp, origin, kWriter);
+}
+
+void SimulationBagWriter::writeLandmarks(const std::vector<core::TrueLandmark>& landmarks,
+                                         double time_s) {
+  LandmarkMap map;
+  map.header.stamp = ros::Time(time_s);
+  map.header.frame_id = kMapFrame;
+  for (const core::TrueLandmark& landmark : landmarks) {
+    Landmark message;  // known exactly: all covariances are 0
+    message.id = landmark.id;
+    message.type = static_cast<std::uint8_t>(landmark.type);
+    message.position.x = landmark.position.x();
+    message.position.y = landmark.position.y();
+    message.diameter = landmark.diameter_m;
+    message.last_seen = map.header.stamp;
+    map.landmarks.push_back(message);
+  }
+  writeLatched(bag_, "/truth/landmarks", map.header.stamp, map, kWriter);
+}
+
+void SimulationBagWriter::writeOccupancy(const core::TrueOccupancy& occupancy, double time_s) {
+  nav_msgs::OccupancyGrid grid;
+  grid.header.stamp = ros::Time(time_s);
+  grid.header.frame_id = kMapFrame;
+  grid.info.map_load_time = grid.header.stamp;
+  grid.info.resolution = static_cast<float>(occupancy.resolution_m);
+  grid.info.width = static_cast<std::uint32_t>(occupancy.width);
+  grid.info.height = static_cast<std::uint32_t>(occupancy.height);
+  grid.info.origin = toPoseMessage({occupancy.origin.x(), occupancy.origin.y(), 0.0});
+  grid.data.resize(occupancy.occupied.size());
+  std::transform(occupancy.occupied.begin(), occupancy.occupied.end(), grid.data.begin(),
+                 [](bool occupied) { return occupied ? kOccupied : kFree; });
+  writeLatched(bag_, "/truth/map", grid.header.stamp, grid, kWriter);
+}
+
+void SimulationBagWriter::write(const core::SimulatedEvent& simulated) {
+  std::visit([this](const auto& event) { write(event); }, simulated.event);
+  const bool is_scan = std::holds_alternative<core::ScanEvent>(simulated.event);
+  const bool is_detection = std::holds_alternative<core::ObservationSet>(simulated.event);
+  if (is_scan || is_detection) writePose(simulated.T_map_base, core::timeOf(simulated.event));
+}
+
+void SimulationBagWriter::write(const core::MotionInput& input) {
+  const ros::Time stamp(core::timeOf(input));
+  if (const auto* encoders = std::get_if<core::AckermannInput>(&input)) {
+    bag_.write("/dead_reckoning", stamp, toMessage(*encoders, vehicle_.base_frame));
+  }
+  if (!dead_reckoning_.process(input)) return;
+  bag_.write("/odom", stamp, odometryMessage(dead_reckoning_, vehicle_));
+  tf2_msgs::TFMessage transforms;
+  transforms.transforms = {odometryTransform(dead_reckoning_, vehicle_)};
+  bag_.write("/tf", stamp, transforms);
+}
+
+void SimulationBagWriter::write(const core::ScanEvent& event) {
+  bag_.write("/scan", ros::Time(event.scan.time_s), toMessage(event.scan, vehicle_.laser_frame));
+}
+
+void SimulationBagWriter::write(const core::ObservationSet& set) {
+  bag_.write("/detections", ros::Time(set.time_s), toMessage(set, vehicle_.laser_frame));
+}
+
+void SimulationBagWriter::write(const core::GpsFix& fix) {
+  sensor_msgs::NavSatFix message;
+  message.header.stamp = ros::Time(fix.time_s);
+  message.header.frame_id = vehicle_.gps_frame;
+  message.status.status = sensor_msgs::NavSatStatus::STATUS_FIX;
+  message.status.service = sensor_msgs::NavSatStatus::SERVICE_GPS;
+  local_frame_.Reverse(fix.position.x(), fix.position.y(), 0.0, message.latitude, message.longitude,
+                       message.altitude);
+  message.position_covariance[0] = fix.covariance(0, 0);
+  message.position_covariance[1] = message.position_covariance[3] = fix.covariance(0, 1);
+  message.position_covariance[4] = fix.covariance(1, 1);
+  message.position_covariance[8] = kHeightVariance_m2;
+  message.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_KNOWN;
+  bag_.write("/gps/fix", message.header.stamp, message);
+}
+
+void SimulationBagWriter::writePose(const core::Pose2& T_map_base, double time_s) {
+  geometry_msgs::PoseStamped message;
+  message.header.stamp = ros::Time(time_s);
+  message.header.frame_id = kMapFrame;
+  message.pose = toPoseMessage(T_map_base);
+  bag_.write("/truth/pose", message.header.stamp, message);
+}
+
+}  // namespace hymm

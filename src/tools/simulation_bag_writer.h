@@ -1,0 +1,43 @@
+#pragma once
+
+#include <GeographicLib/LocalCartesian.hpp>
+#include <rosbag/bag.h>
+
+#include "simulation/simulation.h"
+#include "vehicle/dead_reckoning.h"
+
+namespace hymm {
+
+/// Writes a simulation to a bag as a robot's drivers would have published it: /scan, /detections,
+/// /dead_reckoning, /odom and /tf, /gps/fix, and latched /tf_static and /gps/origin; and the truth:
+/// /truth/pose for each scan or detection, latched /truth/landmarks and /truth/map. A message's bag
+/// time is its stamp.
+class SimulationBagWriter {
+ public:
+  SimulationBagWriter(rosbag::Bag& bag, const core::SimulationConfig& config,
+                      const core::VehicleConfig& vehicle);
+
+  /// What holds for the whole recording, before the first event.
+  void writeMountings(double time_s);
+  void writeGpsOrigin(double time_s);
+  void writeLandmarks(const std::vector<core::TrueLandmark>& landmarks, double time_s);
+  void writeOccupancy(const core::TrueOccupancy& occupancy, double time_s);
+
+  void write(const core::SimulatedEvent& simulated);
+
+ private:
+  void write(const core::MotionInput& input);
+  void write(const core::ScanEvent& event);
+  void write(const core::ObservationSet& set);
+  void write(const core::GpsFix& fix);
+  void write(const core::ClockReset&) {}  // a simulated clock never runs back
+  void writePose(const core::Pose2& T_map_base, double time_s);
+
+  rosbag::Bag& bag_;
+  core::SimulationConfig config_;
+  core::VehicleConfig vehicle_;
+  GeographicLib::LocalCartesian local_frame_;
+  core::DeadReckoning dead_reckoning_;
+};
+
+}  // namespace hymm

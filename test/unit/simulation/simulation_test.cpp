@@ -1,0 +1,404 @@
+#include "simulation/simulation.h"
+
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "common/chi_square.h"
+#include "common/error.h"
+#include "simulation/world_catalog.h"
+#include "vehicle/dead_reckoning.h"
+
+namespace hymm::core {
+namespace {
+
+/// A short drive whose sensors are perfect.
+SimulationConfig perfect(const std::string& world) {
+  SimulationConfig config;
+  config.world.name = world;
+  config.drive.laps = 1;
+  config.motion.noise_scale = 0.0;
+  config.motion.draw_calibration = false;
+  config.laser.range_deviation_m = 0.0;
+  config.laser.range_deviation_relative = 0.0;
+  config.laser.range_resolution_m = 0.0;
+  config.laser.dark_range_m = 0.0;
+  config.laser.missed_return_probability = 0.0;
+  config.laser.spurious_return_probability = 0.0;
+  return config;
+}
+
+SimulationConfig shortDrive(const std::string& world, double duration_s = 20.0) {
+  SimulationConfig config;
+  config.world.name = world;
+  config.drive.duration_s = duration_s;
+  return config;
+}
+
+std::vector<SimulatedEvent> all(Simulation& simulation) {
+  std::vector<SimulatedEvent> events;
+  while (auto event = simulation.next()) events.push_back(std::move(*event));
+  return events;
+}
+
+std::vector<SimulatedEvent> all(const SimulationConfig& config, std::uint64_t seed = 1) {
+  Simulation simulation(config, simulatedCar(), seed);
+  return all(simulation);
+}
+
+/// Numbers that stand for everything that the events hold.
+std::vector<double> digest(const std::vector<SimulatedEvent>& events) {
+  std::vector<double> numbers;
+  for (const SimulatedEvent& e : events) {
+    numbers.insert(numbers.end(), {timeOf(e.event), e.T_map_base.x_m, e.T_map_base.yaw_rad});
+    if (const auto* scan = std::get_if<ScanEvent>(&e.event)) {
+      const auto& ranges = scan->scan.ranges_m;
+      numbers.insert(numbers.end(), ranges.begin(), ranges.end());
+      const auto& intensities = scan->scan.intensities;
+      numbers.insert(numbers.end(), intensities.begin(), intensities.end());
+    } else if (const auto* motion = std::get_if<MotionInput>(&e.event)) {
+      if (const auto* encoders = std::get_if<AckermannInput>(motion)) {
+        numbers.insert(numbers.end(), {encoders->speed_mps, encoders->steering_rad});
+      }
+    } else if (const auto* fix = std::get_if<GpsFix>(&e.event)) {
+      numbers.insert(numbers.end(), {fix->position.x(), fix->position.y()});
+    }
+  }
+  return numbers;
+}
+
+class EveryWorld : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Worlds, EveryWorld, testing::ValuesIn(worldNames()),
+                         [](const auto& world) { return world.param; });
+
+TEST_P(EveryWorld, IsTheSameForTheSameSeed) {
+  const auto first = digest(all(shortDrive(GetParam()), 5));
+  EXPECT_EQ(first, digest(all(shortDrive(GetParam()), 5)));
+  EXPECT_NE(first, digest(all(shortDrive(GetParam()), 6)));
+}
+
+TEST_P(EveryWorld, StartsAtTheMapsOriginAtRest) {
+  const SimulationConfig config = shortDrive(GetParam(), 1.0);
+  const auto events = all(config);
+  ASSERT_FALSE(events.empty());
+  EXPECT_EQ(timeOf(events.front().event), Simulation::kStartTime_s);
+  for (const SimulatedEvent& event : events) {
+    if (timeOf(event.event) > Simulation::kStartTime_s) break;
+    EXPECT_NEAR(event.T_map_base.vector().norm(), 0.0, 1e-9);
+  }
+}
+
+TEST_P(EveryWorld, YieldsEventsInOrderOfTime) {
+  double last_s = 0.0;
+  for (const SimulatedEvent& event : all(shortDrive(GetParam()))) {
+    EXPECT_GE(timeOf(event.event), last_s);
+    last_s = timeOf(event.event);
+  }
+}
+
+TEST_P(EveryWorld, ClosesItsLaps) {
+  SimulationConfig config = perfect(GetParam());
+  config.laser.enabled = false;
+  const auto events = all(config);
+  const Pose2 end = events.back().T_map_base;
+  EXPECT_LT(end.position().norm(), 0.5);
+  EXPECT_LT(std::abs(end.yaw_rad), 0.1);
+}
+
+TEST_P(EveryWorld, DeadReckoningOfPerfectEncodersIsTheTruth) {
+  SimulationConfig config = perfect(GetParam());
+  config.laser.enabled = false;
+  DeadReckoning dead_reckoning(simulatedCar());
+  double worst = 0.0;
+  for (const SimulatedEvent& event : all(config)) {
+    const auto* motion = std::get_if<MotionInput>(&event.event);
+    if (motion == nullptr) continue;
+    ASSERT_TRUE(dead_reckoning.process(*motion));
+    const Pose2 error = inverse(event.T_map_base) * dead_reckoning.T_odom_base();
+    worst = std::max(worst, error.vector().norm());
+  }
+  EXPECT_LT(worst, 1e-6);
+}
+
+TEST_P(EveryWorld, NeverDrivesThroughAnythingSolid) {
+  SimulationConfig config = perfect(GetParam());
+  const VehicleConfig car = simulatedCar();
+  Simulation simulation(config, car, 3);
+  const TrueOccupancy map = simulation.occupancy(0.1);
+  const double front = car.length_m - car.rear_overhang_m;
+  for (const SimulatedEvent& event : all(simulation)) {
+    if (!std::holds_alternative<ScanEvent>(event.event)) continue;
+    for (double x = -car.rear_overhang_m; x <= front; x += 0.1) {
+      for (double y = -car.width_m / 2.0; y <= car.width_m / 2.0; y += 0.1) {
+        const Eigen::Vector2d p = event.T_map_base * Eigen::Vector2d(x, y) - map.origin;
+        const auto column = static_cast<std::size_t>(p.x() / map.resolution_m);
+        const auto row = static_cast<std::size_t>(p.y() / map.resolution_m);
+        ASSERT_FALSE(map.occupied[row * static_cast<std::size_t>(map.width) + column])
+            << "at " << timeOf(event.event) << " s";
+      }
+    }
+  }
+}
+
+TEST_P(EveryWorld, HoldsAsManyLandmarksAsAskedFor) {
+  SimulationConfig config = shortDrive(GetParam());
+  config.world.landmarks = 90;
+  const Simulation simulation(config, simulatedCar(), 2);
+  ASSERT_EQ(simulation.landmarks().size(), 90U);
+  for (std::size_t i = 0; i < 90; ++i) {
+    EXPECT_EQ(simulation.landmarks()[i].id, static_cast<int>(i));
+    EXPECT_GT(simulation.landmarks()[i].diameter_m, 0.0);
+  }
+}
+
+TEST_P(EveryWorld, ShowsLandmarksWhereTheyStand) {
+  // Each beam that met a landmark first ends on its surface; to the left is positive.
+  SimulationConfig config = perfect(GetParam());
+  config.laser.beam_width_rad = 0.0;
+  config.drive.duration_s = 30.0;
+  Simulation simulation(config, simulatedCar(), 4);
+  const auto landmarks = simulation.landmarks();
+  std::size_t seen = 0;
+  for (const SimulatedEvent& event : all(simulation)) {
+    const auto* scan = std::get_if<ScanEvent>(&event.event);
+    if (scan == nullptr) continue;
+    ASSERT_EQ(event.beam_landmarks.size(), scan->scan.ranges_m.size());
+    for (std::size_t i = 0; i < event.beam_landmarks.size(); ++i) {
+      if (event.beam_landmarks[i] < 0) continue;
+      const double range = static_cast<double>(scan->scan.ranges_m[i]);
+      const double bearing = scan->scan.bearing(i);
+      const Eigen::Vector2d end(range * std::cos(bearing), range * std::sin(bearing));
+      const auto& landmark = landmarks[static_cast<std::size_t>(event.beam_landmarks[i])];
+      const double distance =
+          (event.T_map_base * (scan->T_base_laser * end) - landmark.position).norm();
+      EXPECT_NEAR(distance, landmark.diameter_m / 2.0, 1e-4);
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 100U);
+}
+
+TEST(Simulation, PutsOneLandmarkOnEach100SquareMetresOfThePlain) {
+  SimulationConfig config = shortDrive("plain");
+  config.world.landmarks = 400;
+  const Simulation simulation(config, simulatedCar(), 1);
+  Eigen::AlignedBox2d bounds;
+  for (const TrueLandmark& landmark : simulation.landmarks()) {
+    bounds.extend(simulation.T_enu_map() * landmark.position);
+  }
+  EXPECT_LE(bounds.sizes().maxCoeff(), 200.0);
+  EXPECT_NEAR(bounds.volume() / 400.0, 100.0, 3.0);
+}
+
+TEST(Simulation, DrivesTheWholePlain) {
+  SimulationConfig config = perfect("plain");
+  config.world.landmarks = 1000;
+  config.laser.enabled = false;
+  config.detections.enabled = true;
+  config.detections.identities = true;
+  config.detections.range_max_m = 28.0;
+  config.detections.rate_hz = 1.0;
+  Simulation simulation(config, simulatedCar(), 1);
+  std::vector<bool> seen(1000, false);
+  for (const SimulatedEvent& event : all(simulation)) {
+    const auto* set = std::get_if<ObservationSet>(&event.event);
+    if (set == nullptr) continue;
+    for (const Observation& o : set->observations)
+      seen[static_cast<std::size_t>(o.identity)] = true;
+  }
+  EXPECT_GT(std::count(seen.begin(), seen.end(), true), 980);
+}
+
+TEST(Simulation, ReportsTheEncodersWheelAndNotTheCarsMiddle) {
+  // In a left turn the left wheel runs on the smaller circle.
+  SimulationConfig config = perfect("plain");
+  config.laser.enabled = false;
+  const VehicleConfig car = simulatedCar();
+  std::size_t turns = 0;
+  const auto events = all(config);
+  for (std::size_t i = 0; i + 1 < events.size(); ++i) {
+    const auto* motion = std::get_if<MotionInput>(&events[i].event);
+    const auto* next = std::get_if<MotionInput>(&events[i + 1].event);
+    if (motion == nullptr || next == nullptr) continue;
+    const auto& input = std::get<AckermannInput>(*motion);
+    if (std::abs(input.steering_rad) < 0.1) continue;
+    const double t = std::tan(input.steering_rad) / car.ackermann.wheelbase_m;
+    const double driven =
+        (events[i + 1].T_map_base.position() - events[i].T_map_base.position()).norm();
+    const double wheel = input.speed_mps * (timeOf(*next) - timeOf(*motion));
+    EXPECT_NEAR(wheel, driven * (1.0 - t * car.ackermann.encoder_offset_left_m), 1e-5);
+    ++turns;
+  }
+  EXPECT_GT(turns, 100U);
+}
+
+/// Mean of squares of unit normal variables against the chi-square band.
+void expectUnitVariance(double sum_of_squares, int count) {
+  EXPECT_GT(sum_of_squares, chiSquareQuantile(0.0005, count));
+  EXPECT_LT(sum_of_squares, chiSquareQuantile(0.9995, count));
+}
+
+TEST(Simulation, EncodersHaveTheNoiseThatTheVehicleClaims) {
+  // Samples five correlation times apart are independent enough (e^-5).
+  SimulationConfig config = shortDrive("park", 0.0);
+  config.laser.enabled = false;
+  config.motion.draw_calibration = false;
+  VehicleConfig car = simulatedCar();
+  car.ackermann.encoder_offset_left_m = 0.0;
+  car.noise.lateral_deviation_relative = 0.0;
+  Simulation simulation(config, car, 11);
+  const auto events = all(simulation);
+  double speed_sum = 0.0, turn_sum = 0.0, used_s = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i + 1 < events.size(); ++i) {
+    const auto* motion = std::get_if<MotionInput>(&events[i].event);
+    if (motion == nullptr || timeOf(*motion) < used_s + 1.0) continue;
+    const double dt = timeOf(events[i + 1].event) - timeOf(*motion);
+    if (dt < 1e-3) continue;
+    used_s = timeOf(*motion);
+    const auto& input = std::get<AckermannInput>(*motion);
+    const Pose2 step = inverse(events[i].T_map_base) * events[i + 1].T_map_base;
+    const double speed = step.position().norm() / dt;
+    if (speed < 0.5) continue;
+    const double steering = std::atan(step.yaw_rad / dt / speed * car.ackermann.wheelbase_m);
+    const double deviation =
+        std::hypot(car.noise.speed_deviation_mps, car.noise.speed_deviation_relative * speed);
+    speed_sum += std::pow((input.speed_mps - speed) / deviation, 2);
+    turn_sum += std::pow((input.steering_rad - steering) / car.noise.steering_deviation_rad, 2);
+    ++count;
+  }
+  ASSERT_GT(count, 200);
+  expectUnitVariance(speed_sum, count);
+  expectUnitVariance(turn_sum, count);
+}
+
+TEST(Simulation, DrawsTheCalibrationFromTheVehiclesPrior) {
+  SimulationConfig config = shortDrive("plain", 0.1);
+  const VehicleConfig car = simulatedCar();
+  Eigen::Vector3d sums = Eigen::Vector3d::Zero();
+  constexpr int kSeeds = 200;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const Calibration c = Simulation(config, car, seed).calibration();
+    const Eigen::Array3d error =
+        (c.vector() - Calibration{}.vector()).array() /
+        Eigen::Array3d(car.calibration.speed_scale_deviation, car.calibration.turn_scale_deviation,
+                       car.calibration.steering_offset_deviation_rad);
+    sums += error.square().matrix();
+  }
+  for (int i = 0; i < 3; ++i) expectUnitVariance(sums[i], kSeeds);
+}
+
+TEST(Simulation, MeasuresWhatItsCalibrationSays) {
+  SimulationConfig config = perfect("park");
+  config.laser.enabled = false;
+  const auto ideal = all(config);
+  config.motion.speed_scale = 1.03;
+  config.motion.turn_scale = 0.97;
+  config.motion.turn_offset = 0.02;
+  const auto wrong = all(config);
+  ASSERT_EQ(ideal.size(), wrong.size());
+  for (std::size_t i = 0; i < ideal.size(); ++i) {
+    const auto* motion = std::get_if<MotionInput>(&ideal[i].event);
+    if (motion == nullptr) continue;
+    const auto& truth = std::get<AckermannInput>(*motion);
+    const auto& measured = std::get<AckermannInput>(std::get<MotionInput>(wrong[i].event));
+    EXPECT_NEAR(1.03 * measured.speed_mps, truth.speed_mps, 1e-12);
+    EXPECT_NEAR(0.97 * measured.steering_rad + 0.02, truth.steering_rad, 1e-12);
+  }
+}
+
+TEST(Simulation, DetectionsHaveTheCovarianceThatTheyCarry) {
+  SimulationConfig config = shortDrive("park", 60.0);
+  config.laser.enabled = false;
+  config.detections.enabled = true;
+  config.detections.identities = true;
+  Simulation simulation(config, simulatedCar(), 9);
+  const auto landmarks = simulation.landmarks();
+  double sum = 0.0;
+  int count = 0;
+  for (const SimulatedEvent& event : all(simulation)) {
+    const auto* set = std::get_if<ObservationSet>(&event.event);
+    if (set == nullptr) continue;
+    const Pose2 T_sensor_map = inverse(event.T_map_base * set->T_base_sensor);
+    for (const Observation& o : set->observations) {
+      const Eigen::Vector2d p =
+          T_sensor_map * landmarks[static_cast<std::size_t>(o.identity)].position;
+      const Eigen::Vector2d error(o.range_m - p.norm(),
+                                  wrapAngle(o.bearing_rad - std::atan2(p.y(), p.x())));
+      sum += error.dot(o.covariance.inverse() * error);
+      count += 2;
+    }
+  }
+  ASSERT_GT(count, 500);
+  expectUnitVariance(sum, count);
+}
+
+TEST(Simulation, TellsNoIdentitiesUnlessAsked) {
+  SimulationConfig config = shortDrive("park");
+  config.detections.enabled = true;
+  std::size_t observations = 0;
+  for (const SimulatedEvent& event : all(config)) {
+    const auto* set = std::get_if<ObservationSet>(&event.event);
+    if (set == nullptr) continue;
+    for (const Observation& o : set->observations) {
+      EXPECT_EQ(o.identity, -1);
+      ++observations;
+    }
+  }
+  EXPECT_GT(observations, 50U);
+}
+
+TEST(Simulation, FixesThePlaceOfTheAntenna) {
+  SimulationConfig config = shortDrive("park", 60.0);
+  config.laser.enabled = false;
+  config.gps.deviation_m = config.gps.drift_deviation_m = 0.0;
+  config.gps.outage_interval_s = config.gps.jump_interval_s = 0.0;
+  VehicleConfig car = simulatedCar();
+  car.gps_antenna = {1.0, -0.5, 0.0};
+  Simulation simulation(config, car, 1);
+  std::size_t fixes = 0;
+  const Pose2 T_enu_map = simulation.T_enu_map();
+  for (const SimulatedEvent& event : all(simulation)) {
+    const auto* fix = std::get_if<GpsFix>(&event.event);
+    if (fix == nullptr) continue;
+    ++fixes;
+    const Eigen::Vector2d antenna = T_enu_map * (event.T_map_base * Eigen::Vector2d(1.0, -0.5));
+    EXPECT_LT((fix->position - antenna).norm(), 1e-9);
+    EXPECT_EQ(fix->antenna, Eigen::Vector2d(1.0, -0.5));
+  }
+  EXPECT_EQ(fixes, 60U);
+}
+
+TEST(Simulation, LosesFixesInOutages) {
+  SimulationConfig config = shortDrive("park", 0.0);
+  config.laser.enabled = false;
+  config.gps.outage_interval_s = config.gps.outage_duration_s = 10.0;
+  std::size_t fixes = 0;
+  double last_s = 0.0;
+  for (const SimulatedEvent& event : all(config)) {
+    last_s = timeOf(event.event);
+    fixes += std::holds_alternative<GpsFix>(event.event) ? 1 : 0;
+  }
+  EXPECT_GT(static_cast<double>(fixes), 0.3 * last_s);
+  EXPECT_LT(static_cast<double>(fixes), 0.7 * last_s);
+}
+
+TEST(Simulation, RefusesAVehicleThatCannotTakeTheCurves) {
+  VehicleConfig lorry = simulatedCar();
+  lorry.ackermann.wheelbase_m = 9.0;
+  lorry.ackermann.encoder_offset_left_m = 0.0;
+  EXPECT_THROW(Simulation(shortDrive("car_park"), lorry, 1), ConfigError);
+}
+
+TEST(Simulation, RefusesAnUnknownWorldAndNamesTheNearest) {
+  try {
+    Simulation(shortDrive("car_pork"), simulatedCar(), 1);
+    FAIL() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("'car_park'"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace hymm::core
