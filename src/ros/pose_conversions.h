@@ -1,10 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/PoseWithCovariance.h>
 #include <geometry_msgs/Transform.h>
-
-#include <Eigen/Core>
 
 #include "common/pose2.h"
 

@@ -9,9 +9,7 @@ core::Observation fromMessage(const LandmarkObservation& message) {
   observation.bearing_rad = message.bearing;
   observation.covariance << message.covariance[0], message.covariance[1], message.covariance[2],
       message.covariance[3];
-  observation.type = message.type <= LandmarkObservation::TYPE_REFLECTOR
-                         ? static_cast<core::LandmarkType>(message.type)
-                         : core::LandmarkType::kUnknown;
+  observation.type = landmarkType(message.type);
   observation.diameter_m = message.diameter;
   observation.diameter_variance = message.diameter_variance;
   observation.identity = message.identity;
@@ -32,6 +30,11 @@ LandmarkObservation toMessage(const core::Observation& observation) {
 }
 
 }  // namespace
+
+core::LandmarkType landmarkType(std::uint8_t value) {
+  return value <= LandmarkObservation::TYPE_REFLECTOR ? static_cast<core::LandmarkType>(value)
+                                                      : core::LandmarkType::kUnknown;
+}
 
 core::LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
   core::LaserScan scan;

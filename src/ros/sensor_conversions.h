@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include <hymm/DeadReckoning.h>
 #include <hymm/LandmarkObservations.h>
 #include <nav_msgs/Odometry.h>
@@ -12,6 +14,9 @@
 /// Sensor messages to the core's types and back. Values are carried over as they are; whoever
 /// receives them checks them.
 namespace hymm {
+
+/// The type of a message's TYPE_* constant; unknown for any other value.
+core::LandmarkType landmarkType(std::uint8_t value);
 
 core::LaserScan fromMessage(const sensor_msgs::LaserScan& message);
 sensor_msgs::LaserScan toMessage(const core::LaserScan& scan, const std::string& frame_id);

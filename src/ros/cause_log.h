@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <string>
+
+namespace hymm {
+
+/// Counts what went wrong by cause, and tells each cause once in the log. Thread-safe.
+class CauseLog {
+ public:
+  /// Counts `cause` (a few words, the same each time). The first time, the log gets `sentence`.
+  void count(const std::string& cause, const std::string& sentence);
+
+  std::map<std::string, std::size_t> counts() const;
+  std::size_t total() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, std::size_t> counts_;
+};
+
+}  // namespace hymm

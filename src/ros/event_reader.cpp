@@ -1,0 +1,76 @@
+#include "ros/event_reader.h"
+
+#include <type_traits>
+#include <utility>
+
+#include "ros/sensor_conversions.h"
+
+namespace hymm {
+namespace {
+
+core::SensorEvent placed(core::LaserScan scan, const core::Pose2& T_base_sensor) {
+  return core::ScanEvent{std::move(scan), T_base_sensor};
+}
+
+core::SensorEvent placed(core::ObservationSet set, const core::Pose2& T_base_sensor) {
+  set.T_base_sensor = T_base_sensor;
+  return set;
+}
+
+template <class Message>
+constexpr bool kIsMotion =
+    std::is_same_v<Message, DeadReckoning> || std::is_same_v<Message, nav_msgs::Odometry>;
+
+}  // namespace
+
+EventReader::EventReader(SensorMountings mountings, GpsConverter gps, CauseLog& causes)
+    : mountings_(std::move(mountings)), gps_(std::move(gps)), causes_(causes) {}
+
+EventReader::Answer EventReader::read(const SensorMessage& message, double steady_now_s) {
+  return std::visit(
+      [&](const auto& pointer) -> Answer {
+        using Message = std::remove_const_t<typename std::decay_t<decltype(pointer)>::element_type>;
+        if (pointer->header.stamp.isZero()) {
+          causes_.count("no time stamp", "A message of frame '" + pointer->header.frame_id +
+                                             "' has the stamp 0, which means none; it is refused.");
+          return {};
+        }
+        if constexpr (kIsMotion<Message>) {
+          return {core::MotionInput(fromMessage(*pointer)), false};
+        } else if constexpr (std::is_same_v<Message, sensor_msgs::NavSatFix>) {
+          return {readGps(*pointer), false};
+        } else {
+          return readPlaced(*pointer, steady_now_s);
+        }
+      },
+      message);
+}
+
+template <class Message>
+EventReader::Answer EventReader::readPlaced(const Message& message, double steady_now_s) {
+  const SensorMountings::Answer mounting = mountings_.find(message.header.frame_id, steady_now_s);
+  if (mounting.waiting) return {std::nullopt, true};
+  if (!mounting.T_base_sensor) {
+    causes_.count("unknown frame '" + message.header.frame_id + "'",
+                  "Scans or detections of frame '" + message.header.frame_id +
+                      "' are refused: " + mounting.problem + ".");
+    return {};
+  }
+  return {placed(fromMessage(message), *mounting.T_base_sensor), false};
+}
+
+std::optional<core::SensorEvent> EventReader::readGps(const sensor_msgs::NavSatFix& message) {
+  GpsConverter::Answer answer = gps_.convert(message);
+  if (!answer.fix) {
+    causes_.count("GPS fix refused", "A GPS fix is refused: " + answer.problem + ".");
+    return std::nullopt;
+  }
+  return core::SensorEvent(*answer.fix);
+}
+
+void EventReader::reset() {
+  mountings_.reset();
+  gps_.reset();
+}
+
+}  // namespace hymm

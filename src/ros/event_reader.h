@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+
+#include "pipeline/sensor_event.h"
+#include "ros/cause_log.h"
+#include "ros/gps_converter.h"
+#include "ros/sensor_mountings.h"
+#include "ros/sensor_queue.h"
+
+namespace hymm {
+
+/// Turns sensor messages into events of the core, with the place of the sensor; refuses and counts
+/// those that have no place or no time.
+class EventReader {
+ public:
+  struct Answer {
+    std::optional<core::SensorEvent> event;
+    bool waiting = false;  ///< tf may yet tell where the sensor stands: ask again with this message
+  };
+
+  EventReader(SensorMountings mountings, GpsConverter gps, CauseLog& causes);
+
+  Answer read(const SensorMessage& message, double steady_now_s);
+
+  /// Another recording begins.
+  void reset();
+
+ private:
+  std::optional<core::SensorEvent> readGps(const sensor_msgs::NavSatFix& message);
+  template <class Message>
+  Answer readPlaced(const Message& message, double steady_now_s);
+
+  SensorMountings mountings_;
+  GpsConverter gps_;
+  CauseLog& causes_;
+};
+
+}  // namespace hymm

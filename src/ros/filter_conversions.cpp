@@ -1,0 +1,54 @@
+#include "ros/filter_conversions.h"
+
+#include "ros/pose_conversions.h"
+
+namespace hymm {
+
+FilterPose toMessage(const core::PoseEstimate& estimate, const std::string& frame_id) {
+  FilterPose message;
+  message.header.stamp.fromSec(estimate.time_s);
+  message.header.frame_id = frame_id;
+  message.pose = toMessage(estimate.T_map_base, estimate.covariance);
+  message.map_version = estimate.map_version;
+  return message;
+}
+
+core::PoseEstimate fromMessage(const FilterPose& message) {
+  core::PoseEstimate estimate;
+  estimate.time_s = message.header.stamp.toSec();
+  estimate.T_map_base = fromMessage(message.pose.pose);
+  estimate.covariance = planarCovariance(message.pose);
+  estimate.map_version = message.map_version;
+  return estimate;
+}
+
+FilterHealth toMessage(const core::FilterHealth& health, const std::string& frame_id) {
+  FilterHealth message;
+  message.header.stamp.fromSec(health.time_s);
+  message.header.frame_id = frame_id;
+  message.nis = health.nis;
+  message.dof = static_cast<std::uint32_t>(health.dof);
+  message.ambiguity = health.ambiguity;
+  message.unexplained = health.unexplained;
+  message.missed = health.missed;
+  message.position_deviation = health.position_deviation_m;
+  message.heading_deviation = health.heading_deviation_rad;
+  message.latency_ms = health.latency_ms;
+  return message;
+}
+
+core::FilterHealth fromMessage(const FilterHealth& message) {
+  core::FilterHealth health;
+  health.time_s = message.header.stamp.toSec();
+  health.nis = message.nis;
+  health.dof = static_cast<int>(message.dof);
+  health.ambiguity = message.ambiguity;
+  health.unexplained = message.unexplained;
+  health.missed = message.missed;
+  health.position_deviation_m = message.position_deviation;
+  health.heading_deviation_rad = message.heading_deviation;
+  health.latency_ms = message.latency_ms;
+  return health;
+}
+
+}  // namespace hymm

@@ -1,0 +1,100 @@
+#include "ros/filter_output.h"
+
+#include <utility>
+
+#include "ros/filter_conversions.h"
+#include "ros/map_conversions.h"
+#include "ros/markers.h"
+#include "ros/process_usage.h"
+#include "ros/sensor_conversions.h"
+
+namespace hymm {
+namespace {
+
+constexpr std::uint32_t kQueue = 10000;  // a recorder wants every message, however late it reads
+constexpr bool kLatched = true;
+
+}  // namespace
+
+FilterOutput::FilterOutput(ros::NodeHandle handle, const core::CekfSlamConfig& config,
+                           std::string map_frame)
+    : map_frame_(std::move(map_frame)),
+      block_range_m_(config.landmark_block_range_m),
+      map_period_s_(1.0 / config.landmark_rate_hz) {
+  observations_ = handle.advertise<LandmarkObservations>("landmark_observations", kQueue);
+  landmarks_ = handle.advertise<LandmarkMap>("landmarks", 10, kLatched);
+  updates_ = handle.advertise<LandmarkUpdate>("landmark_updates", kQueue);
+  pose_ = handle.advertise<FilterPose>("cekf/pose", kQueue);
+  health_ = handle.advertise<FilterHealth>("cekf/health", kQueue);
+  landmark_markers_ =
+      handle.advertise<visualization_msgs::MarkerArray>("landmark_markers", 2, kLatched);
+  observation_markers_ =
+      handle.advertise<visualization_msgs::MarkerArray>("observation_markers", 2);
+}
+
+void FilterOutput::publish(const core::CekfSlam& filter, const core::ScanOutcome& outcome,
+                           const std_msgs::Header& scan, std::size_t dropped_scans) {
+  send(observations_, toMessage(outcome.observations, scan.frame_id), scan.stamp);
+  const core::LandmarkUpdate update = filter.updateSince(update_version_);
+  update_version_ = update.version;
+  send(updates_, toMessage(update, outcome.pose.time_s, map_frame_), scan.stamp);
+  const FilterHealth health = healthMessage(filter, outcome, dropped_scans);
+  if (mapIsDue(outcome.pose.time_s, health.map_correction)) publishMap(filter);
+  send(pose_, toMessage(outcome.pose, map_frame_), scan.stamp);
+  send(health_, health, scan.stamp);
+  if (observation_markers_.getNumSubscribers() > 0) {
+    observation_markers_.publish(observationMarkers(outcome, map_frame_));
+  }
+}
+
+template <class Message>
+void FilterOutput::send(const ros::Publisher& publisher, Message message,
+                        const ros::Time& stamp) const {
+  message.header.stamp = stamp;
+  publisher.publish(message);
+}
+
+void FilterOutput::publishMapIfChanged(const core::CekfSlam& filter) {
+  if (!map_time_s_ || filter.mapVersion() != map_version_) publishMap(filter);
+}
+
+void FilterOutput::reset(const core::CekfSlam& filter) { publishMap(filter); }
+
+FilterHealth FilterOutput::healthMessage(const core::CekfSlam& filter,
+                                         const core::ScanOutcome& outcome,
+                                         std::size_t dropped_scans) {
+  FilterHealth message = toMessage(outcome.health, map_frame_);
+  const auto& counts = filter.counts();
+  message.largest_correction = outcome.largest_correction_m;
+  message.map_correction = counts.map_corrections > map_corrections_;
+  map_corrections_ = counts.map_corrections;
+  message.scans = counts.scans;
+  message.refused_scans = counts.refused_scans;
+  message.dropped_scans = dropped_scans;
+  message.observations = counts.observations;
+  message.associated = counts.associated;
+  message.rejected = counts.rejected;
+  message.map_corrections = counts.map_corrections;
+  message.landmarks = static_cast<std::uint32_t>(filter.landmarkCount());
+  message.perception_cpu_s = filter.cpuTimes().perception_s;
+  message.filter_cpu_s = filter.cpuTimes().filter_s;
+  const ProcessUsage usage = processUsage();
+  message.process_cpu_s = usage.cpu_s;
+  message.peak_rss_mb = usage.peak_rss_mb;
+  return message;
+}
+
+bool FilterOutput::mapIsDue(double time_s, bool large_correction) const {
+  return large_correction || !map_time_s_ || time_s >= *map_time_s_ + map_period_s_ ||
+         time_s < *map_time_s_;
+}
+
+void FilterOutput::publishMap(const core::CekfSlam& filter) {
+  const core::LandmarkMap map = filter.landmarkMap(block_range_m_);
+  map_version_ = map.version;
+  map_time_s_ = map.time_s;
+  landmarks_.publish(toMessage(map, block_range_m_, map_frame_));
+  landmark_markers_.publish(landmarkMarkers(map, map_frame_));
+}
+
+}  // namespace hymm

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+#include <GeographicLib/LocalCartesian.hpp>
+#include <sensor_msgs/NavSatFix.h>
+
+#include "pipeline/sensor_event.h"
+
+namespace hymm {
+
+/// NavSatFix to a local east-north frame whose origin is the first usable fix.
+class GpsConverter {
+ public:
+  struct Answer {
+    std::optional<core::GpsFix> fix;
+    std::string problem;  ///< why there is none
+  };
+
+  /// `antenna`: its place in base_link.
+  explicit GpsConverter(const Eigen::Vector2d& antenna) : antenna_(antenna) {}
+
+  Answer convert(const sensor_msgs::NavSatFix& message);
+
+  /// The next usable fix is the origin.
+  void reset() { frame_.reset(); }
+
+ private:
+  Eigen::Vector2d antenna_;
+  std::optional<GeographicLib::LocalCartesian> frame_;
+};
+
+}  // namespace hymm

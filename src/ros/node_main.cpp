@@ -1,0 +1,27 @@
+#include "ros/node_main.h"
+
+#include "common/error.h"
+
+namespace hymm {
+
+int runNode(int argc, char** argv, const char* name, const std::function<void()>& body) {
+  try {
+    ros::init(argc, argv, name);
+    body();
+    return 0;
+  } catch (const core::ConfigError& error) {
+    for (const std::string& problem : error.problems()) ROS_FATAL_STREAM(problem);
+    ROS_FATAL_STREAM(name << " does not start: " << error.problems().size()
+                          << " parameter(s) cannot be used, see above.");
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM(name << " ends: " << error.what());
+  }
+  return 1;
+}
+
+void tellOrThrow(const core::ConfigReport& report) {
+  for (const std::string& warning : report.warnings) ROS_WARN_STREAM(warning);
+  report.throwIfUnusable();
+}
+
+}  // namespace hymm

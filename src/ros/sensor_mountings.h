@@ -1,0 +1,50 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include <tf2_ros/buffer.h>
+
+#include "common/pose2.h"
+
+namespace hymm {
+
+/// Where sensors stand on the vehicle, by the frame of their messages: from tf, asked for until it
+/// answers, then remembered. A sensor is never taken to stand at the vehicle's origin for want of
+/// knowledge.
+class SensorMountings {
+ public:
+  struct Answer {
+    std::optional<core::Pose2> T_base_sensor;
+    bool waiting = false;  ///< not known yet; ask again
+    std::string problem;   ///< where it is neither: why, and what to do
+  };
+
+  /// `fallback`: from the vehicle's description, if it tells; used, with a warning in the log, when
+  /// tf has not answered within `wait_s` of the first question.
+  SensorMountings(const tf2_ros::Buffer& tf, std::string base_frame,
+                  std::optional<core::Pose2> fallback, double wait_s);
+
+  /// `steady_now_s`: any clock that runs with the wall and never jumps.
+  Answer find(const std::string& sensor_frame, double steady_now_s);
+
+  /// Forgets what tf said: another recording begins.
+  void reset();
+
+ private:
+  struct Entry {
+    double first_asked_s = 0.0;
+    Answer answer;
+  };
+
+  Answer ask(const std::string& sensor_frame, double waited_s) const;
+
+  const tf2_ros::Buffer& tf_;
+  std::string base_frame_;
+  std::optional<core::Pose2> fallback_;
+  double wait_s_;
+  std::map<std::string, Entry> entries_;
+};
+
+}  // namespace hymm
