@@ -62,6 +62,7 @@ void VehicleConfig::describe(ConfigSchema& schema) {
   schema.group("calibration", calibration);
   schema.group("laser", laser);
   schema.group("gps_antenna", gps_antenna);
+  schema.text("map_frame", map_frame, "tf frame of the landmark map");
   schema.text("base_frame", base_frame, "tf frame of the rear axle's centre");
   schema.text("odom_frame", odom_frame, "tf frame of dead reckoning");
   schema.text("laser_frame", laser_frame, "tf frame of the laser");

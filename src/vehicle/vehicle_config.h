@@ -66,6 +66,7 @@ struct VehicleConfig {
   CalibrationPrior calibration;
   SensorMounting laser;
   SensorMounting gps_antenna;
+  std::string map_frame = "map";
   std::string base_frame = "base_link";
   std::string odom_frame = "odom";
   std::string laser_frame = "laser";
