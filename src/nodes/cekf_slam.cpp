@@ -1,0 +1,15 @@
+#include "nodes/cekf_slam_node.h"
+#include "ros/node_main.h"
+
+int main(int argc, char** argv) {
+  return hymm::runNode(argc, argv, "cekf_slam", [] {
+    const ros::NodeHandle private_handle("~");
+    hymm::core::ConfigReport report;
+    hymm::core::CekfSlamConfig config;
+    hymm::readParameters(private_handle, config, report);
+    const hymm::VehicleParameters vehicle = hymm::readVehicle(private_handle, report);
+    hymm::tellOrThrow(report);
+    const hymm::CekfSlamNode node(config, vehicle);
+    ros::spin();
+  });
+}

@@ -1,0 +1,73 @@
+#include <algorithm>
+
+#include "nodes/cekf_slam_node.h"
+
+/// What the node `cekf_slam` tells in /diagnostics.
+namespace hymm {
+namespace {
+
+constexpr double kOldInput_s = 2.0;
+
+}  // namespace
+
+void CekfSlamNode::diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  status.summary(DiagnosticStatus::OK, "All inputs arrive");
+  for (const SensorInputs::Traffic& traffic : inputs_.traffic()) {
+    status.add(traffic.topic + " messages", traffic.messages);
+    status.add(traffic.topic + " rate [Hz, wall]", traffic.rate_hz);
+    status.add(traffic.topic + " age [s, wall]", traffic.newest_age_s);
+    if (traffic.messages == 0) {
+      status.mergeSummary(DiagnosticStatus::WARN, "Nothing has come on " + traffic.topic);
+    } else if (traffic.newest_age_s > kOldInput_s) {
+      status.mergeSummary(DiagnosticStatus::WARN,
+                          "Nothing comes on " + traffic.topic + " any more");
+    }
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (paused_) status.mergeSummary(DiagnosticStatus::WARN, "Paused");
+  if (!backlog_.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN, "Waiting for tf to place the sensor");
+  }
+  const SensorQueue::Counts queue = queue_.counts();
+  status.add("queued messages", queue_.size() + backlog_.size());
+  status.add("dropped messages (queue full)", queue.dropped);
+  status.add("dropped messages (out of order)", merger_.counts().out_of_order);
+  status.add("dropped scans", droppedScans());
+  status.add("scans without motion past their stamp", merger_.counts().without_motion);
+  status.add("clock resets", merger_.counts().clock_resets);
+  for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);
+  if (droppedScans() > 0) status.mergeSummary(DiagnosticStatus::WARN, "Scans were dropped");
+}
+
+void CekfSlamNode::diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const core::CekfSlam::Counts& counts = filter_.counts();
+  status.summary(DiagnosticStatus::OK, std::to_string(filter_.landmarkCount()) + " landmarks");
+  if (counts.scans == 0) status.mergeSummary(DiagnosticStatus::WARN, "No scan has been used");
+  status.add("scans used", counts.scans);
+  status.add("scans refused", counts.refused_scans);
+  status.add("motion refused", counts.refused_motion);
+  status.add("observations refused", counts.refused_observations);
+  status.add("motion gaps", counts.motion_gaps);
+  status.add("scans without motion", counts.scans_without_motion);
+  status.add("observations", counts.observations);
+  status.add("observations associated", counts.associated);
+  status.add("observations rejected", counts.rejected);
+  status.add("GPS fixes used", counts.gps_used);
+  status.add("GPS fixes rejected", counts.gps_rejected);
+  status.add("landmarks created", counts.landmarks_created);
+  status.add("landmarks dropped", counts.landmarks_dropped);
+  status.add("landmarks merged", counts.landmarks_merged);
+  status.add("area switches", counts.area_switches);
+  status.add("map corrections", counts.map_corrections);
+  status.add("resets", counts.resets);
+  status.add("latency, worst of the last second [ms]", worst_latency_ms_);
+  status.add("NIS per degree of freedom", health_.dof > 0 ? health_.nis / health_.dof : 0.0);
+  status.add("position deviation [m]", health_.position_deviation_m);
+  status.add("heading deviation [rad]", health_.heading_deviation_rad);
+  worst_latency_ms_ = 0.0;
+}
+
+}  // namespace hymm

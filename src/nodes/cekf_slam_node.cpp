@@ -1,0 +1,147 @@
+#include "nodes/cekf_slam_node.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "ros/steady_time.h"
+
+namespace hymm {
+namespace {
+
+constexpr double kMountingWait_s = 5.0;        // tf_static comes within moments, or not at all
+constexpr std::size_t kQueueCapacity = 20000;  // over a minute of a car's sensors at 5 times speed
+constexpr double kSilence_s = 1.0;             // without scans: time to send what is held back
+constexpr auto kPatience = std::chrono::milliseconds(10);
+
+std::optional<core::Pose2> laserFallback(const VehicleParameters& vehicle) {
+  if (!vehicle.tells_laser) return std::nullopt;
+  return vehicle.config.laser.T_base_sensor();
+}
+
+/// A reason without its figures, so that the same cause counts as the same.
+std::string causeOf(const std::string& reason) {
+  const auto digit = std::find_if(reason.begin(), reason.end(),
+                                  [](unsigned char c) { return std::isdigit(c) != 0; });
+  return "scan refused: " + std::string(reason.begin(), digit);
+}
+
+}  // namespace
+
+CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config, const VehicleParameters& vehicle)
+    : tf_listener_(tf_),
+      filter_(config, vehicle.config),
+      merger_(config.merger),
+      reader_(
+          SensorMountings(tf_, vehicle.config.base_frame, laserFallback(vehicle), kMountingWait_s),
+          GpsConverter(vehicle.config.gps_antenna.T_base_sensor().position()), causes_),
+      output_(handle_, config, vehicle.config.map_frame),
+      queue_(kQueueCapacity),
+      inputs_(handle_, config.motion_input, config.observation_input, false, queue_, causes_) {
+  pause_service_ = handle_.advertiseService("pause", &CekfSlamNode::pause, this);
+  reset_service_ = handle_.advertiseService("reset", &CekfSlamNode::reset, this);
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("inputs", this, &CekfSlamNode::diagnoseInputs);
+  diagnostics_.add("filter", this, &CekfSlamNode::diagnoseFilter);
+  diagnostics_timer_ = handle_.createSteadyTimer(
+      ros::WallDuration(1.0),
+      [this](const ros::SteadyTimerEvent&) { diagnostics_.force_update(); });
+  last_scan_wall_s_ = steadyNow();
+  worker_ = std::thread(&CekfSlamNode::work, this);
+}
+
+CekfSlamNode::~CekfSlamNode() {
+  working_ = false;
+  worker_.join();
+}
+
+void CekfSlamNode::work() {
+  while (working_) {
+    std::deque<SensorMessage> messages = queue_.takeAll(kPatience);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    std::move(messages.begin(), messages.end(), std::back_inserter(backlog_));
+    readBacklog();
+    for (const core::SensorEvent& event : merger_.popReady(steadyNow())) process(event);
+    if (steadyNow() - last_scan_wall_s_ > kSilence_s) output_.publishMapIfChanged(filter_);
+  }
+}
+
+void CekfSlamNode::readBacklog() {
+  while (!backlog_.empty() && working_) {
+    const SensorMessage message = backlog_.front();
+    const double now_s = steadyNow();
+    if (paused_) {
+      causes_.count("paused", "Messages are dropped while the node is paused.");
+    } else {
+      EventReader::Answer answer = reader_.read(message, now_s);
+      if (answer.waiting) return;
+      if (answer.event) take(message, std::move(*answer.event), now_s);
+    }
+    backlog_.pop_front();
+  }
+}
+
+void CekfSlamNode::take(const SensorMessage& message, core::SensorEvent event, double now_s) {
+  if (isScan(message)) scan_headers_.remember(headerOf(message));
+  const std::size_t late = merger_.counts().out_of_order;
+  merger_.push(std::move(event), now_s);
+  if (merger_.counts().out_of_order > late) {
+    if (isScan(message)) ++late_scans_;
+    causes_.count("out of order",
+                  "A message is older than what the filter has used; it is dropped.");
+  }
+  for (const core::SensorEvent& ready : merger_.popReady(now_s)) process(ready);
+}
+
+void CekfSlamNode::process(const core::SensorEvent& event) {
+  const std::optional<core::ScanOutcome> outcome = filter_.process(event);
+  if (std::holds_alternative<core::ClockReset>(event)) {
+    ROS_WARN("The time stamps ran back: another recording begins, with a new, empty map.");
+    forgetRecording();
+  } else if (outcome && outcome->accepted) {
+    finish(*outcome);
+  } else if (outcome) {
+    causes_.count(causeOf(outcome->reason), "A scan is refused: " + outcome->reason);
+  }
+}
+
+void CekfSlamNode::finish(const core::ScanOutcome& outcome) {
+  last_scan_wall_s_ = steadyNow();
+  health_ = outcome.health;
+  worst_latency_ms_ = std::max(worst_latency_ms_, outcome.health.latency_ms);
+  output_.publish(filter_, outcome, scan_headers_.take(outcome.pose.time_s), droppedScans());
+}
+
+void CekfSlamNode::forgetRecording() {
+  reader_.reset();
+  output_.reset(filter_);
+}
+
+std::size_t CekfSlamNode::droppedScans() const {
+  return queue_.counts().dropped_scans + late_scans_;
+}
+
+bool CekfSlamNode::pause(Pause::Request& request, Pause::Response& response) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  paused_ = request.pause;
+  response.success = true;
+  response.message =
+      paused_ ? "Paused. What the vehicle moves until it is resumed stays unknown." : "Resumed.";
+  return true;
+}
+
+bool CekfSlamNode::reset(Reset::Request&, Reset::Response& response) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::size_t landmarks = filter_.landmarkCount();
+  queue_.clear();
+  backlog_.clear();
+  merger_.reset();
+  filter_.reset();
+  forgetRecording();
+  response.success = true;
+  response.message = "Forgot " + std::to_string(landmarks) +
+                     " landmarks; the map begins where the vehicle stands now.";
+  ROS_INFO_STREAM(response.message);
+  return true;
+}
+
+}  // namespace hymm

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <hymm/Pause.h>
+#include <hymm/Reset.h>
+#include <ros/ros.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include "cekf/cekf_slam.h"
+#include "pipeline/sensor_merger.h"
+#include "ros/cause_log.h"
+#include "ros/event_reader.h"
+#include "ros/filter_output.h"
+#include "ros/parameters.h"
+#include "ros/scan_headers.h"
+#include "ros/sensor_inputs.h"
+#include "ros/sensor_queue.h"
+
+namespace hymm {
+
+/// The node `cekf_slam`: one thread receives messages and answers services, another merges them by
+/// stamp, feeds the filter and publishes. Results depend on stamps, never on when messages arrive.
+class CekfSlamNode {
+ public:
+  /// Throws ConfigError if the parameters are unusable.
+  CekfSlamNode(const core::CekfSlamConfig& config, const VehicleParameters& vehicle);
+  ~CekfSlamNode();
+
+ private:
+  void work();
+  void readBacklog();
+  void take(const SensorMessage& message, core::SensorEvent event, double now_s);
+  void process(const core::SensorEvent& event);
+  void finish(const core::ScanOutcome& outcome);
+  void forgetRecording();
+  std::size_t droppedScans() const;
+
+  bool pause(Pause::Request& request, Pause::Response& response);
+  bool reset(Reset::Request& request, Reset::Response& response);
+  void diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  ros::NodeHandle handle_;
+  CauseLog causes_;
+  tf2_ros::Buffer tf_;
+  tf2_ros::TransformListener tf_listener_;
+
+  std::mutex mutex_;  ///< over everything down to output_
+  core::CekfSlam filter_;
+  core::SensorMerger merger_;
+  EventReader reader_;
+  FilterOutput output_;
+  std::deque<SensorMessage> backlog_;  ///< taken from the queue, not yet read
+  ScanHeaders scan_headers_;
+  bool paused_ = false;
+  std::size_t late_scans_ = 0;  ///< came after the filter had gone on
+  double last_scan_wall_s_ = 0.0;
+  double worst_latency_ms_ = 0.0;  ///< since the last diagnosis
+  core::FilterHealth health_;
+
+  SensorQueue queue_;
+  SensorInputs inputs_;
+  ros::ServiceServer pause_service_, reset_service_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::SteadyTimer diagnostics_timer_;
+  std::atomic<bool> working_{true};
+  std::thread worker_;
+};
+
+}  // namespace hymm

@@ -1,0 +1,88 @@
+#include "nodes/dead_reckoning_node.h"
+
+#include "ros/odometry_conversions.h"
+#include "ros/sensor_conversions.h"
+#include "ros/steady_time.h"
+
+namespace hymm {
+namespace {
+
+constexpr std::uint32_t kQueue = 10000;
+constexpr double kOldInput_s = 2.0;
+
+}  // namespace
+
+void DeadReckoningNodeConfig::describe(core::ConfigSchema& schema) {
+  schema.flag("publish_tf", publish_tf,
+              "broadcast odom -> base_link; false where the robot or the bag does");
+  schema.number("clock_jump_s", clock_jump_s, core::Range::positive(),
+                "messages older than the newest by more than this may be of a new recording");
+  schema.integer("clock_jump_messages", clock_jump_messages, core::Range::between(1, 1000),
+                 "how many such messages in a row make it a new recording");
+}
+
+DeadReckoningNode::DeadReckoningNode(const DeadReckoningNodeConfig& config,
+                                     const core::VehicleConfig& vehicle)
+    : config_(config), vehicle_(vehicle), dead_reckoning_(vehicle), last_wall_s_(steadyNow()) {
+  publisher_ = handle_.advertise<nav_msgs::Odometry>("odom", kQueue);
+  subscriber_ = handle_.subscribe("dead_reckoning", kQueue, &DeadReckoningNode::take, this,
+                                  ros::TransportHints().tcpNoDelay());
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("dead reckoning", this, &DeadReckoningNode::diagnose);
+  diagnostics_timer_ = handle_.createSteadyTimer(
+      ros::WallDuration(1.0),
+      [this](const ros::SteadyTimerEvent&) { diagnostics_.force_update(); });
+}
+
+void DeadReckoningNode::take(const DeadReckoning& message) {
+  ++messages_;
+  last_wall_s_ = steadyNow();
+  if (isJumpBack(message)) {
+    ROS_WARN("The time stamps ran back: dead reckoning begins anew at the origin.");
+    dead_reckoning_.reset();
+    ++jumps_;
+  }
+  if (dead_reckoning_.process(fromMessage(message))) {
+    publish(message.header.stamp);
+  } else {
+    causes_.count("refused",
+                  "A dead_reckoning message has values that are not finite, or is not later than "
+                  "the one before it; it is refused.");
+  }
+}
+
+bool DeadReckoningNode::isJumpBack(const DeadReckoning& message) {
+  const bool past = message.header.stamp.toSec() < dead_reckoning_.time_s() - config_.clock_jump_s;
+  messages_from_the_past_ = past ? messages_from_the_past_ + 1 : 0;
+  if (messages_from_the_past_ < config_.clock_jump_messages) return false;
+  messages_from_the_past_ = 0;
+  return true;
+}
+
+void DeadReckoningNode::publish(const ros::Time& stamp) {
+  nav_msgs::Odometry odometry = odometryMessage(dead_reckoning_, vehicle_);
+  odometry.header.stamp = stamp;  // as it came: seconds in a double are coarser
+  publisher_.publish(odometry);
+  if (!config_.publish_tf) return;
+  geometry_msgs::TransformStamped transform = odometryTransform(dead_reckoning_, vehicle_);
+  transform.header.stamp = stamp;
+  broadcaster_.sendTransform(transform);
+}
+
+void DeadReckoningNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const std::string topic = subscriber_.getTopic();
+  const double age_s = steadyNow() - last_wall_s_;
+  status.summary(DiagnosticStatus::OK, "Dead reckoning goes on");
+  if (messages_ == 0) {
+    status.summary(DiagnosticStatus::WARN, "Nothing has come on " + topic);
+  } else if (age_s > kOldInput_s) {
+    status.summary(DiagnosticStatus::WARN, "Nothing comes on " + topic + " any more");
+  }
+  status.add("messages", messages_);
+  status.add("age [s, wall]", age_s);
+  status.add("clock resets", jumps_);
+  for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);
+}
+
+}  // namespace hymm

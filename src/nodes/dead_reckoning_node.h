@@ -1,0 +1,52 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <hymm/DeadReckoning.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/ros.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include "common/config.h"
+#include "ros/cause_log.h"
+#include "vehicle/dead_reckoning.h"
+
+namespace hymm {
+
+/// Parameters of the node `dead_reckoning`, as config/dead_reckoning.yaml documents them.
+struct DeadReckoningNodeConfig {
+  bool publish_tf = true;
+  double clock_jump_s = 1.0;
+  int clock_jump_messages = 3;
+
+  void describe(core::ConfigSchema& schema);
+};
+
+/// The node `dead_reckoning`: integrates speed and steering into `odom` and tf odom -> base_link.
+class DeadReckoningNode {
+ public:
+  DeadReckoningNode(const DeadReckoningNodeConfig& config, const core::VehicleConfig& vehicle);
+
+ private:
+  void take(const DeadReckoning& message);
+  bool isJumpBack(const DeadReckoning& message);
+  void publish(const ros::Time& stamp);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  DeadReckoningNodeConfig config_;
+  core::VehicleConfig vehicle_;
+  core::DeadReckoning dead_reckoning_;
+  CauseLog causes_;
+  int messages_from_the_past_ = 0;
+  std::size_t messages_ = 0;
+  std::size_t jumps_ = 0;
+  double last_wall_s_;
+
+  ros::NodeHandle handle_;
+  ros::Publisher publisher_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+  ros::Subscriber subscriber_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::SteadyTimer diagnostics_timer_;
+};
+
+}  // namespace hymm
