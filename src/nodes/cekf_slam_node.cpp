@@ -36,7 +36,8 @@ CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config, const VehiclePara
           GpsConverter(vehicle.config.gps_antenna.T_base_sensor().position()), causes_),
       output_(handle_, config, vehicle.config.map_frame),
       queue_(kQueueCapacity),
-      inputs_(handle_, config.motion_input, config.observation_input, false, queue_, causes_) {
+      inputs_(handle_, config.motion_input, config.observation_input, config.gps.enabled, queue_,
+              causes_) {
   pause_service_ = handle_.advertiseService("pause", &CekfSlamNode::pause, this);
   reset_service_ = handle_.advertiseService("reset", &CekfSlamNode::reset, this);
   diagnostics_.setHardwareID("none");

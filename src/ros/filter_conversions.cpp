@@ -1,12 +1,13 @@
 #include "ros/filter_conversions.h"
 
 #include "ros/pose_conversions.h"
+#include "ros/time_conversions.h"
 
 namespace hymm {
 
 FilterPose toMessage(const core::PoseEstimate& estimate, const std::string& frame_id) {
   FilterPose message;
-  message.header.stamp.fromSec(estimate.time_s);
+  message.header.stamp = toRosTime(estimate.time_s);
   message.header.frame_id = frame_id;
   message.pose = toMessage(estimate.T_map_base, estimate.covariance);
   message.map_version = estimate.map_version;
@@ -24,7 +25,7 @@ core::PoseEstimate fromMessage(const FilterPose& message) {
 
 FilterHealth toMessage(const core::FilterHealth& health, const std::string& frame_id) {
   FilterHealth message;
-  message.header.stamp.fromSec(health.time_s);
+  message.header.stamp = toRosTime(health.time_s);
   message.header.frame_id = frame_id;
   message.nis = health.nis;
   message.dof = static_cast<std::uint32_t>(health.dof);

@@ -3,6 +3,7 @@
 #include <boost/array.hpp>
 
 #include "ros/sensor_conversions.h"
+#include "ros/time_conversions.h"
 
 namespace hymm {
 namespace {
@@ -27,7 +28,7 @@ Landmark toMessage(const core::LandmarkEstimate& landmark) {
   message.diameter = landmark.diameter_m;
   message.diameter_variance = landmark.diameter_variance;
   message.observations = static_cast<std::uint32_t>(landmark.observations);
-  message.last_seen.fromSec(landmark.last_seen_s);
+  message.last_seen = toRosTime(landmark.last_seen_s);
   return message;
 }
 
@@ -72,7 +73,7 @@ core::CrossCovariance fromMessage(const LandmarkCovariance& message) {
 LandmarkMap toMessage(const core::LandmarkMap& map, double block_range_m,
                       const std::string& frame_id) {
   LandmarkMap message;
-  message.header.stamp.fromSec(map.time_s);
+  message.header.stamp = toRosTime(map.time_s);
   message.header.frame_id = frame_id;
   message.version = map.version;
   message.block_range = block_range_m;
@@ -103,7 +104,7 @@ core::LandmarkMap fromMessage(const LandmarkMap& message) {
 LandmarkUpdate toMessage(const core::LandmarkUpdate& update, double time_s,
                          const std::string& frame_id) {
   LandmarkUpdate message;
-  message.header.stamp.fromSec(time_s);
+  message.header.stamp = toRosTime(time_s);
   message.header.frame_id = frame_id;
   message.since_version = update.since_version;
   message.version = update.version;

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "common/angles.h"
+#include "ros/time_conversions.h"
 
 namespace hymm {
 namespace {
@@ -57,7 +58,7 @@ geometry_msgs::Point pointAt(const Eigen::Vector2d& position) {
 Marker listMarker(const char* name, int type, double scale_m, double time_s,
                   const std::string& frame_id) {
   Marker marker;
-  marker.header.stamp.fromSec(time_s);
+  marker.header.stamp = toRosTime(time_s);
   marker.header.frame_id = frame_id;
   marker.ns = name;
   marker.type = type;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "ros/time_conversions.h"
+
 namespace hymm {
 namespace {
 
@@ -20,7 +22,7 @@ std_msgs::Header ScanHeaders::take(double time_s) {
   });
   std_msgs::Header header;
   if (found == headers_.end()) {
-    header.stamp.fromSec(time_s);
+    header.stamp = toRosTime(time_s);
   } else {
     header = *found;
     headers_.erase(headers_.begin(), std::next(found));

@@ -1,5 +1,7 @@
 #include "ros/sensor_conversions.h"
 
+#include "ros/time_conversions.h"
+
 namespace hymm {
 namespace {
 
@@ -50,7 +52,7 @@ core::LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
 
 sensor_msgs::LaserScan toMessage(const core::LaserScan& scan, const std::string& frame_id) {
   sensor_msgs::LaserScan message;
-  message.header.stamp.fromSec(scan.time_s);
+  message.header.stamp = toRosTime(scan.time_s);
   message.header.frame_id = frame_id;
   message.angle_min = static_cast<float>(scan.angle_min_rad);
   message.angle_increment = static_cast<float>(scan.angle_increment_rad);
@@ -70,7 +72,7 @@ core::AckermannInput fromMessage(const DeadReckoning& message) {
 
 DeadReckoning toMessage(const core::AckermannInput& input, const std::string& frame_id) {
   DeadReckoning message;
-  message.header.stamp.fromSec(input.time_s);
+  message.header.stamp = toRosTime(input.time_s);
   message.header.frame_id = frame_id;
   message.speed = input.speed_mps;
   message.steering = input.steering_rad;
@@ -94,7 +96,7 @@ core::ObservationSet fromMessage(const LandmarkObservations& message) {
 
 LandmarkObservations toMessage(const core::ObservationSet& set, const std::string& frame_id) {
   LandmarkObservations message;
-  message.header.stamp.fromSec(set.time_s);
+  message.header.stamp = toRosTime(set.time_s);
   message.header.frame_id = frame_id;
   message.observations.reserve(set.observations.size());
   for (const core::Observation& observation : set.observations) {
