@@ -20,12 +20,12 @@ constexpr double kShareTaken = 0.7;  // of the stalls
 constexpr double kCornerRadius = 5.5;
 
 constexpr double kSpeed_mps = 4.0;
-constexpr int kLandmarks = 70;
+constexpr int kLandmarks = 90;
 constexpr int kMovingCars = 3;
 constexpr int kPeople = 6;
-constexpr double kReflector_m = 0.08;  // diameters
+constexpr double kReflector_m = 0.06;  // diameters
 constexpr double kPole_m = 0.2;
-constexpr double kSpacing_m = 1.0;
+constexpr double kSpacing_m = 0.3;
 constexpr Material kPaint{0.2, false, 0.0};
 constexpr Material kConcrete{0.4, false, 0.0};
 
@@ -87,20 +87,30 @@ void addLightPoles(WorldBuilder& builder) {
   }
 }
 
-/// Reflector posts anywhere, at the edge of the lanes and between the cars.
+/// A place beside the route, a few metres to its left or right.
+Eigen::Vector2d besideRoute(const Route& route, double along_m, RandomGenerator& generator) {
+  const double side = sampleUniform(generator, 0.0, 1.0) < 0.5 ? -1.0 : 1.0;
+  return route.at(along_m) * Eigen::Vector2d(0.0, side * sampleUniform(generator, 1.5, 6.0));
+}
+
+/// Reflector posts along the whole route: at the edge of the lanes and between the cars.
 void addReflectors(WorldBuilder& builder, int count, RandomGenerator& generator) {
-  int tries = 0;
-  for (int added = 0; added < count; ++tries) {
-    if (tries > 2000 * (count + 1)) {
-      throw ConfigError({"simulation: world 'car_park' has room for " +
-                         std::to_string(builder.landmarkCount()) +
-                         " landmarks, not more; ask for fewer."});
+  constexpr int kTries = 200;
+  const double length = builder.route().length_m();
+  for (int i = 0; i < count; ++i) {
+    bool added = false;
+    for (int tries = 0; tries < 2 * kTries && !added; ++tries) {
+      // Each in its own stretch of the route; anywhere if there is no room in that.
+      const double share = tries < kTries ? (i + sampleUniform(generator, 0.0, 1.0)) / count
+                                          : sampleUniform(generator, 0.0, 1.0);
+      added = builder.tryAddLandmark(LandmarkType::kReflector,
+                                     besideRoute(builder.route(), share * length, generator),
+                                     kReflector_m, kSpacing_m);
     }
-    const Eigen::Vector2d place(sampleUniform(generator, -18.0, 93.0),
-                                sampleUniform(generator, -1.0, 61.0));
-    // Where a car can see them: beside its lane, not deep between the parked cars.
-    if (builder.distanceFromRoute(place, 5.0) >= 5.0) continue;
-    if (builder.tryAddLandmark(LandmarkType::kReflector, place, kReflector_m, kSpacing_m)) ++added;
+    if (added) continue;
+    throw ConfigError({"simulation: world 'car_park' has room for " +
+                       std::to_string(builder.landmarkCount()) +
+                       " landmarks, not more; ask for fewer."});
   }
 }
 

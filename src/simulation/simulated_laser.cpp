@@ -131,15 +131,17 @@ double SimulatedLaser::mixedRange(const Scene& scene, const Pose2& T_map_laser, 
                                   double range_m) {
   constexpr double kEdge_m = 0.3;
   if (config_.mixed_pixel_probability <= 0.0) return range_m;
-  double farthest = range_m;
+  double nearest = range_m, farthest = range_m;
   for (const double side : {-0.5, 0.5}) {
     const double angle = T_map_laser.yaw_rad + bearing_rad + side * config_.beam_width_rad;
     const auto hit = scene.cast(T_map_laser.position(), directionOf(angle), config_.range_max_m);
-    if (hit) farthest = std::max(farthest, hit->range_m);
+    if (!hit) continue;
+    nearest = std::min(nearest, hit->range_m);
+    farthest = std::max(farthest, hit->range_m);
   }
-  if (farthest < range_m + kEdge_m) return range_m;
+  if (farthest < nearest + kEdge_m) return range_m;
   if (sampleUniform(generator_, 0.0, 1.0) >= config_.mixed_pixel_probability) return range_m;
-  return sampleUniform(generator_, range_m, farthest);
+  return sampleUniform(generator_, nearest, farthest);
 }
 
 double SimulatedLaser::measuredRange(double range_m, double roughness_m) {

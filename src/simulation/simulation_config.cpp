@@ -123,14 +123,14 @@ void SimulationConfig::describe(ConfigSchema& schema) {
 VehicleConfig simulatedCar() {
   VehicleConfig car;
   car.name = "simulated_car";
-  car.length_m = 4.3;
+  car.length_m = 4.6;
   car.width_m = 1.8;
-  car.rear_overhang_m = 0.7;
+  car.rear_overhang_m = 0.8;
   car.max_steering_rad = 0.6;
-  car.ackermann.wheelbase_m = 2.7;
-  car.ackermann.encoder_offset_left_m = 0.75;
-  car.laser = {3.6, 0.3, 0.0};
-  car.gps_antenna = {1.2, 0.0, 0.0};
+  car.ackermann.wheelbase_m = 2.83;
+  car.ackermann.encoder_offset_left_m = 0.76;
+  car.laser = {3.78, 0.5, 0.0};
+  car.gps_antenna = {3.78, 0.5, 0.0};
   car.noise.speed_deviation_mps = 0.05;
   car.noise.speed_deviation_relative = 0.03;
   car.noise.steering_deviation_rad = 0.02;

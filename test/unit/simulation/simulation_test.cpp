@@ -1,7 +1,8 @@
 #include "simulation/simulation.h"
 
+#include <algorithm>
 #include <cmath>
-#include <map>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 
@@ -179,6 +180,37 @@ TEST_P(EveryWorld, ShowsLandmarksWhereTheyStand) {
   EXPECT_GT(seen, 100U);
 }
 
+TEST(Worlds, HoldAsManyPeopleAndCarsAsAskedFor) {
+  WorldConfig config;
+  config.people = 7;
+  config.moving_cars = 2;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    RandomGenerator generator(seed);
+    config.name = "park";
+    EXPECT_EQ(makeWorld(config, simulatedCar(), generator).movers.size(), 7U);
+    config.name = "car_park";
+    EXPECT_EQ(makeWorld(config, simulatedCar(), generator).movers.size(), 9U);
+  }
+}
+
+TEST(Worlds, KeepWhatMovesAwayFromTheVehiclesRoute) {
+  const VehicleConfig car = simulatedCar();
+  for (const std::string& name : worldNames()) {
+    WorldConfig config;
+    config.name = name;
+    RandomGenerator generator(3);
+    const World world = makeWorld(config, car, generator);
+    for (const Mover& mover : world.movers) {
+      for (double s = 0.0; s < mover.path.length_m(); s += 0.5) {
+        const Shape body = transformed(mover.path.at(s), mover.body);
+        for (const Eigen::Vector2d& point : world.route.points()) {
+          ASSERT_GT(distanceBetween(point, body), car.width_m / 2.0) << name;
+        }
+      }
+    }
+  }
+}
+
 TEST(Simulation, PutsOneLandmarkOnEach100SquareMetresOfThePlain) {
   SimulationConfig config = shortDrive("plain");
   config.world.landmarks = 400;
@@ -332,6 +364,28 @@ TEST(Simulation, DetectionsHaveTheCovarianceThatTheyCarry) {
   }
   ASSERT_GT(count, 500);
   expectUnitVariance(sum, count);
+}
+
+TEST(Simulation, DrivesTheCarOfTheVehicleFile) {
+  const char* const source = std::getenv("HYMM_SOURCE_DIR");
+  ASSERT_NE(source, nullptr);
+  const std::string file = std::string(source) + "/config/vehicles/simulated_car.yaml";
+  VehicleConfig read, built_in = simulatedCar();
+  ConfigReport report;
+  readConfig(YAML::LoadFile(file)["vehicle"], read, file, report);
+  EXPECT_TRUE(report.errors.empty());
+  EXPECT_TRUE(report.warnings.empty());
+  ConfigSchema a, b;
+  read.describe(a);
+  built_in.describe(b);
+  for (std::size_t i = 0; i < a.entries().size(); ++i) {
+    EXPECT_EQ(a.entries()[i].path, b.entries()[i].path);
+    if (const auto* number = std::get_if<double*>(&a.entries()[i].value)) {
+      EXPECT_EQ(**number, *std::get<double*>(b.entries()[i].value)) << a.entries()[i].path;
+    } else if (const auto* text = std::get_if<std::string*>(&a.entries()[i].value)) {
+      EXPECT_EQ(**text, *std::get<std::string*>(b.entries()[i].value)) << a.entries()[i].path;
+    }
+  }
 }
 
 TEST(Simulation, TellsNoIdentitiesUnlessAsked) {
