@@ -29,8 +29,10 @@ void TrunkConfig::describe(ConfigSchema& schema) {
   schema.number("max_incidence_rad", max_incidence_rad, Range::between(0.5, 1.55),
                 "between a beam and a surface's normal, up to which the surface returns a beam; "
                 "background that such a surface could join to the shape makes it no trunk");
-  schema.number("shape_deviation", shape_deviation, Range::between(0.0, 1.0),
-                "of a trunk's surface from a circle, as a share of its radius");
+  schema.number("surface_deviation", surface_deviation, Range::between(0.0, 1.0),
+                "of single points of a trunk from the best circle, as a share of its radius");
+  schema.number("outline_deviation", outline_deviation, Range::between(0.0, 1.0),
+                "of a trunk's diameter from one view to another, as a share of its diameter");
   schema.number("shape_confidence", shape_confidence, Range::between(0.5, 0.999999),
                 "share of trunks that the test for a round shape lets pass");
 }

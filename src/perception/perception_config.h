@@ -24,7 +24,8 @@ struct TrunkConfig {
   int min_beams = 2;
   int max_missed_beams = 1;
   double max_incidence_rad = 1.4;
-  double shape_deviation = 0.1;
+  double surface_deviation = 0.1;
+  double outline_deviation = 0.06;
   double shape_confidence = 0.999;
 
   void describe(ConfigSchema& schema);

@@ -132,7 +132,7 @@ std::optional<Observation> TrunkDetector::observe(const BeamView& beams, const S
   if (!upper_gap) return std::nullopt;
   const TrunkEvidence evidence = gatherEvidence(beams, shape.first, shape.last, shape.hits,
                                                 shape.nearest_m, *lower_gap, *upper_gap);
-  const TrunkEstimate estimate = fitTrunk(evidence, noise_, config_.shape_deviation);
+  const TrunkEstimate estimate = fitTrunk(evidence, noise_, config_.surface_deviation);
   if (!isTrunk(estimate, evidence.hits)) return std::nullopt;
   return toObservation(beams, shape, estimate);
 }
@@ -160,16 +160,15 @@ Observation TrunkDetector::toObservation(const BeamView& beams, const Shape& sha
   observation.covariance(0, 1) *= direction;
   observation.covariance(1, 0) *= direction;
   // What no number of beams averages out: errors that an object's beams share, and a trunk that
-  // is not round. An ellipse that is longer along the view by d is narrower across it by d: its
-  // front and its width each put the centre off by d, in the same direction. A trunk that is not
+  // is not round. An ellipse that is longer along the view by some radius is narrower across it by
+  // as much: its front and its width put the centre off in the same direction. A trunk that is not
   // even symmetric has its edges off independently.
-  const double shape_variance = std::pow(config_.shape_deviation * 0.5 * estimate.mean[2], 2);
-  observation.covariance(0, 0) +=
-      std::pow(noise_.range_offset_deviation_m, 2) + 4.0 * shape_variance;
-  observation.covariance(1, 1) +=
-      std::pow(noise_.bearing_offset_deviation_rad, 2) + 0.5 * shape_variance / (range_m * range_m);
+  const double outline_variance = std::pow(config_.outline_deviation * estimate.mean[2], 2);
+  observation.covariance(0, 0) += std::pow(noise_.range_offset_deviation_m, 2) + outline_variance;
+  observation.covariance(1, 1) += std::pow(noise_.bearing_offset_deviation_rad, 2) +
+                                  0.125 * outline_variance / (range_m * range_m);
   observation.diameter_m = estimate.mean[2];
-  observation.diameter_variance = estimate.covariance(2, 2) + 4.0 * shape_variance;
+  observation.diameter_variance = estimate.covariance(2, 2) + outline_variance;
   return observation;
 }
 

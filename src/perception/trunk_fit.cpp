@@ -17,13 +17,13 @@ struct Beams {
   std::array<double, TrunkEvidence::kMaxHits> sines, cosines;  ///< of the offsets
   double range_variance;
   double footprint_rad;  ///< deviation of directions within a beam
-  double shape_deviation;
+  double surface_deviation;
 
   Beams(const TrunkEvidence& seen, const LaserNoise& noise, double shape)
       : evidence(seen),
         range_variance(noise.range_noise_m * noise.range_noise_m),
         footprint_rad(noise.beam_width_rad / std::sqrt(12.0)),
-        shape_deviation(shape) {
+        surface_deviation(shape) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(seen.hits); ++i) {
       sines[i] = std::sin(seen.offsets_rad[i]);
       cosines[i] = std::cos(seen.offsets_rad[i]);
@@ -48,7 +48,7 @@ Circle fitDistance(const Beams& beams, double b, double a) {
   const double sin_b = std::sin(b), cos_b = std::cos(b), k = std::sin(a), cos_a = std::cos(a);
   const double nominal_range_m = beams.evidence.nearest_m / (1.0 - k);
   const double surface_variance =
-      beams.range_variance + std::pow(beams.shape_deviation * k * nominal_range_m, 2);
+      beams.range_variance + std::pow(beams.surface_deviation * k * nominal_range_m, 2);
   const double footprint_variance = std::pow(beams.footprint_rad * nominal_range_m, 2);
 
   double gg = 0.0, gr = 0.0, rr = 0.0, g_ga = 0.0, g_gb = 0.0, variances = 1.0;
@@ -100,8 +100,8 @@ Eigen::Matrix3d innerCovariance(const Circle& circle, double lower_cell, double 
 }  // namespace
 
 TrunkEstimate fitTrunk(const TrunkEvidence& evidence, const LaserNoise& noise,
-                       double shape_deviation) {
-  const Beams beams(evidence, noise, shape_deviation);
+                       double surface_deviation) {
+  const Beams beams(evidence, noise, surface_deviation);
   const double lower_cell = evidence.lower_gap_rad / kCells;
   const double upper_cell = evidence.upper_gap_rad / kCells;
   std::array<Circle, kHypotheses> circles;

@@ -36,6 +36,6 @@ struct TrunkEstimate {
 /// single hit as for many, and has no bias to first order in the beam spacing. `chi_square` is
 /// infinite if no circle has these edges.
 TrunkEstimate fitTrunk(const TrunkEvidence& evidence, const LaserNoise& noise,
-                       double shape_deviation);
+                       double surface_deviation);
 
 }  // namespace hymm::core

@@ -34,8 +34,9 @@ struct Statistics {
   }
 };
 
-/// A trunk is round, or an ellipse whose radius deviates by `shape_deviation` (rms over the turn).
-Statistics observeTrunks(const PerceptionConfig& config, double shape_deviation, double from_m,
+/// A trunk is round, or an ellipse whose diameter deviates by the share `outline_deviation` (rms
+/// over all views).
+Statistics observeTrunks(const PerceptionConfig& config, double outline_deviation, double from_m,
                          double to_m, int trials) {
   const Perception perception(config);
   RandomGenerator random(7);
@@ -49,7 +50,7 @@ Statistics observeTrunks(const PerceptionConfig& config, double shape_deviation,
         range_m + sampleNormal(random, config.laser.range_offset_deviation_m);
     const double seen_bearing_rad =
         bearing_rad + sampleNormal(random, config.laser.bearing_offset_deviation_rad);
-    const double flattening = std::sqrt(2.0) * shape_deviation;
+    const double flattening = std::sqrt(2.0) * outline_deviation;
     LaserScan scan = AnalyticLaser()
                          .ellipse({seen_range_m * std::cos(seen_bearing_rad),
                                    seen_range_m * std::sin(seen_bearing_rad)},
@@ -69,7 +70,8 @@ TEST_P(DetectorConsistency, CoversErrorsOfRoundTrunks) {
   const auto [from_m, to_m] = GetParam();
   PerceptionConfig config;
   config.trunks.min_beams = 1;  // else only trunks that look wide are seen
-  config.trunks.shape_deviation = 0.0;
+  config.trunks.surface_deviation = 0.0;
+  config.trunks.outline_deviation = 0.0;
   const Statistics seen = observeTrunks(config, 0.0, from_m, to_m, 800);
   EXPECT_GT(seen.detections, 0.97 * seen.trials);
   const int n = seen.detections;
@@ -85,7 +87,8 @@ TEST_P(DetectorConsistency, HasNoBiasOfCentreOrDiameter) {
   const auto [from_m, to_m] = GetParam();
   PerceptionConfig config;
   config.trunks.min_beams = 1;
-  config.trunks.shape_deviation = 0.0;
+  config.trunks.surface_deviation = 0.0;
+  config.trunks.outline_deviation = 0.0;
   const Statistics seen = observeTrunks(config, 0.0, from_m, to_m, 800);
   const double n = seen.detections;
   // Within what the mean of n errors can be by chance (99.9 %), and a tenth of a beam's spacing.
@@ -100,7 +103,7 @@ TEST_P(DetectorConsistency, CoversErrorsOfTrunksThatAreNotRound) {
   const auto [from_m, to_m] = GetParam();
   PerceptionConfig config;
   config.trunks.min_beams = 1;
-  const Statistics seen = observeTrunks(config, config.trunks.shape_deviation, from_m, to_m, 800);
+  const Statistics seen = observeTrunks(config, config.trunks.outline_deviation, from_m, to_m, 800);
   EXPECT_GT(seen.detections, 0.97 * seen.trials);
   EXPECT_GT(seen.nees, 0.6 * 2 * seen.detections);
   EXPECT_LT(seen.nees, chiSquareQuantile(0.9995, 2 * seen.detections));

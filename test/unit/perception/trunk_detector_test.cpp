@@ -157,7 +157,8 @@ TEST(TrunkDetector, WidensVarianceWhereTheEdgeIsUnknown) {
   scan.ranges_m[miss] = kNan;
   PerceptionConfig config;
   config.laser.bearing_offset_deviation_rad = 0.0;
-  config.trunks.shape_deviation = 0.0;
+  config.trunks.surface_deviation = 0.0;
+  config.trunks.outline_deviation = 0.0;
   const Perception perception(config);
   const auto known = perception.detect(clean), unknown = perception.detect(scan);
   ASSERT_EQ(known.size(), 1U);
