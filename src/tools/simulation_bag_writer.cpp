@@ -21,8 +21,8 @@
 namespace hymm {
 namespace {
 
-const std::string kWriter = "simulate_world";
-const std::string kMapFrame = "map";
+constexpr char kWriter[] = "simulate_world";
+constexpr char kMapFrame[] = "map";
 constexpr double kHeightVariance_m2 = 1e4;  // the simulation is planar
 constexpr std::int8_t kOccupied = 100, kFree = 0;
 
