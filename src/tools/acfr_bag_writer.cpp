@@ -12,9 +12,12 @@
 #include "ros/odometry_conversions.h"
 #include "ros/pose_conversions.h"
 #include "ros/sensor_conversions.h"
+#include "tools/latched_message.h"
 
 namespace hymm {
 namespace {
+
+constexpr char kWriter[] = "acfr_to_bag";
 
 // The recordings are planar; nothing is known about height.
 constexpr double kHeightVariance_m2 = 1e4;
@@ -44,24 +47,13 @@ AcfrBagWriter::AcfrBagWriter(rosbag::Bag& bag, const core::VehicleConfig& vehicl
       local_frame_(gps.latitude_deg, gps.longitude_deg, gps.altitude_m),
       dead_reckoning_(vehicle) {}
 
-template <class Message>
-void AcfrBagWriter::writeLatched(const std::string& topic, double time_s, const Message& message) {
-  auto header = boost::make_shared<ros::M_string>();
-  (*header)["type"] = ros::message_traits::datatype(message);
-  (*header)["md5sum"] = ros::message_traits::md5sum(message);
-  (*header)["message_definition"] = ros::message_traits::definition(message);
-  (*header)["callerid"] = "/acfr_to_bag";
-  (*header)["latching"] = "1";
-  bag_.write(topic, ros::Time(time_s), message, header);
-}
-
 void AcfrBagWriter::writeMountings(double time_s) {
   const ros::Time stamp(time_s);
   tf2_msgs::TFMessage mountings;
   mountings.transforms = {
       mountingMessage(vehicle_.laser, vehicle_.base_frame, vehicle_.laser_frame, stamp),
       mountingMessage(vehicle_.gps_antenna, vehicle_.base_frame, vehicle_.gps_frame, stamp)};
-  writeLatched("/tf_static", time_s, mountings);
+  writeLatched(bag_, "/tf_static", stamp, mountings, kWriter);
 }
 
 void AcfrBagWriter::writeGpsOrigin(double time_s) {
@@ -72,7 +64,7 @@ void AcfrBagWriter::writeGpsOrigin(double time_s) {
   origin.latitude = gps_.latitude_deg;
   origin.longitude = gps_.longitude_deg;
   origin.altitude = gps_.altitude_m;
-  writeLatched("/gps/origin", time_s, origin);
+  writeLatched(bag_, "/gps/origin", origin.header.stamp, origin, kWriter);
 }
 
 ros::Time AcfrBagWriter::nextBagTime(const ros::Time& stamp) {

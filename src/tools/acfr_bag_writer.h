@@ -40,9 +40,6 @@ class AcfrBagWriter {
 
  private:
   ros::Time nextBagTime(const ros::Time& stamp);
-  template <class Message>
-  void writeLatched(const std::string& topic, double time_s, const Message& message);
-
   rosbag::Bag& bag_;
   core::VehicleConfig vehicle_;
   GpsAssumptions gps_;
