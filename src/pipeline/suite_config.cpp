@@ -19,28 +19,30 @@ std::optional<YAML::Node> readYamlFile(const std::string& file, ConfigReport& re
   return std::nullopt;
 }
 
-/// Where a vehicle's file may be, the most specific place first.
-std::vector<fs::path> vehiclePlaces(const std::string& name, const fs::path& naming_file,
-                                    const std::string& config_folder) {
-  const fs::path folder = naming_file.parent_path();
-  if (fs::path(name).extension() == ".yaml" || name.find('/') != std::string::npos) {
-    return {folder / name};  // operator/ keeps an absolute path as it is
-  }
-  std::vector<fs::path> places = {folder / ".." / "vehicles" / (name + ".yaml")};
-  if (!config_folder.empty()) {
-    places.push_back(fs::path(config_folder) / "vehicles" / (name + ".yaml"));
-  }
-  return places;
+using FolderFinder = std::function<std::string()>;
+
+bool isPath(const std::string& vehicle) {
+  return fs::path(vehicle).extension() == ".yaml" || vehicle.find('/') != std::string::npos;
+}
+
+bool isFile(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
 }
 
 std::optional<fs::path> findVehicle(const std::string& name, const fs::path& naming_file,
-                                    const std::string& config_folder, ConfigReport& report) {
-  const std::vector<fs::path> places = vehiclePlaces(name, naming_file, config_folder);
-  std::string tried;
-  for (const fs::path& place : places) {
-    std::error_code ignored;
-    if (fs::is_regular_file(place, ignored)) return place.lexically_normal();
-    tried += (tried.empty() ? "" : ", ") + place.lexically_normal().string();
+                                    const FolderFinder& findConfigFolder, ConfigReport& report) {
+  const fs::path folder = naming_file.parent_path();
+  // operator/ keeps an absolute path as it is.
+  const fs::path near =
+      isPath(name) ? folder / name : folder / ".." / "vehicles" / (name + ".yaml");
+  if (isFile(near)) return near.lexically_normal();
+  std::string tried = near.lexically_normal().string();
+  const bool may_be_shipped = !isPath(name) && findConfigFolder != nullptr;
+  if (const fs::path config = may_be_shipped ? findConfigFolder() : ""; !config.empty()) {
+    const fs::path shipped = config / "vehicles" / (name + ".yaml");
+    if (isFile(shipped)) return shipped;
+    tried += " and " + shipped.string();
   }
   report.errors.push_back(naming_file.string() + ": vehicle '" + name +
                           "' is not found; looked for " + tried + ".");
@@ -53,16 +55,21 @@ struct VehicleFile {
   void describe(ConfigSchema& schema) { schema.group("vehicle", vehicle); }
 };
 
-VehicleConfig loadVehicle(const fs::path& file, ConfigReport& report) {
-  VehicleFile content;
+bool tellsLaser(const YAML::Node& file) {
+  return file.IsMap() && file["vehicle"] && file["vehicle"].IsMap() && file["vehicle"]["laser"];
+}
+
+void loadVehicle(const fs::path& file, SuiteConfig& config, ConfigReport& report) {
   const std::optional<YAML::Node> node = readYamlFile(file.string(), report);
-  if (!node) return content.vehicle;
+  if (!node) return;
   if (!node->IsMap() || !(*node)["vehicle"]) {
     report.errors.push_back(file.string() + ": does not hold a group 'vehicle'.");
-    return content.vehicle;
+    return;
   }
+  VehicleFile content;
   readConfig(*node, content, file.string(), report);
-  return content.vehicle;
+  config.vehicle = content.vehicle;
+  config.vehicle_tells_laser = tellsLaser(*node);
 }
 
 }  // namespace
@@ -72,19 +79,20 @@ void SuiteConfig::describe(ConfigSchema& schema) {
   schema.group("cekf_slam", cekf_slam);
 }
 
-SuiteConfig loadSuiteConfig(const std::vector<std::string>& files, const std::string& config_folder,
-                            ConfigReport& report) {
+SuiteConfig loadSuiteConfig(const std::vector<std::string>& files, ConfigReport& report,
+                            const FolderFinder& findConfigFolder) {
   SuiteConfig config;
   for (const std::string& file : files) {
     std::optional<YAML::Node> node = readYamlFile(file, report);
     if (!node) continue;
     if (node->IsMap() && (*node)["vehicle"] && (*node)["vehicle"].IsScalar()) {
       const std::string name = (*node)["vehicle"].Scalar();
-      if (const auto place = findVehicle(name, file, config_folder, report)) {
-        config.vehicle = loadVehicle(*place, report);
+      if (const auto place = findVehicle(name, file, findConfigFolder, report)) {
+        loadVehicle(*place, config, report);
       }
       node->remove("vehicle");
     }
+    config.vehicle_tells_laser = config.vehicle_tells_laser || tellsLaser(*node);
     readConfig(*node, config, file, report);
   }
   return config;

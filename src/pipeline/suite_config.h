@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,20 +15,22 @@ namespace hymm::core {
 struct SuiteConfig {
   VehicleConfig vehicle;
   CekfSlamConfig cekf_slam;
+  bool vehicle_tells_laser = false;  ///< whether a file said where the laser stands
 
   void describe(ConfigSchema& schema);
 };
 
 /// Reads YAML files in order over the built-in defaults; a later file overrides single parameters
 /// of the earlier ones. `vehicle` is either a group of parameters or a text: a vehicle's name,
-/// found as ../vehicles/NAME.yaml beside the file that names it or as vehicles/NAME.yaml in
-/// `config_folder` (the package's; empty: none), or a path to a YAML file, relative to the file
-/// that names it. A named vehicle replaces whatever vehicle came before.
+/// found as ../vehicles/NAME.yaml beside the file that names it or as vehicles/NAME.yaml in the
+/// folder that `findConfigFolder` returns (the package's; asked only where it is needed; empty:
+/// none), or a path to a YAML file, relative to the file that names it. A named vehicle replaces
+/// whatever vehicle came before.
 ///
 /// Problems are collected in `report`, each led by the file it stands in: a file that cannot be
 /// read, a vehicle that cannot be found, wrong types and values out of range are errors; unknown
 /// names are warnings. The result is usable when there are no errors.
-SuiteConfig loadSuiteConfig(const std::vector<std::string>& files, const std::string& config_folder,
-                            ConfigReport& report);
+SuiteConfig loadSuiteConfig(const std::vector<std::string>& files, ConfigReport& report,
+                            const std::function<std::string()>& findConfigFolder = nullptr);
 
 }  // namespace hymm::core

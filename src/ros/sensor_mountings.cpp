@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <ros/console.h>
+#include <tf2/exceptions.h>
 
 #include "ros/pose_conversions.h"
 
@@ -18,7 +19,7 @@ constexpr double kUpright = 0.985;  // 10 degrees: the scan's plane is taken to 
 
 }  // namespace
 
-SensorMountings::SensorMountings(const tf2_ros::Buffer& tf, std::string base_frame,
+SensorMountings::SensorMountings(const tf2::BufferCore& tf, std::string base_frame,
                                  std::optional<core::Pose2> fallback, double wait_s)
     : tf_(tf), base_frame_(std::move(base_frame)), fallback_(fallback), wait_s_(wait_s) {}
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include <tf2_ros/buffer.h>
+#include <tf2/buffer_core.h>
 
 #include "common/pose2.h"
 
@@ -23,7 +23,7 @@ class SensorMountings {
 
   /// `fallback`: from the vehicle's description, if it tells; used, with a warning in the log, when
   /// tf has not answered within `wait_s` of the first question.
-  SensorMountings(const tf2_ros::Buffer& tf, std::string base_frame,
+  SensorMountings(const tf2::BufferCore& tf, std::string base_frame,
                   std::optional<core::Pose2> fallback, double wait_s);
 
   /// `steady_now_s`: any clock that runs with the wall and never jumps.
@@ -40,7 +40,7 @@ class SensorMountings {
 
   Answer ask(const std::string& sensor_frame, double waited_s) const;
 
-  const tf2_ros::Buffer& tf_;
+  const tf2::BufferCore& tf_;
   std::string base_frame_;
   std::optional<core::Pose2> fallback_;
   double wait_s_;

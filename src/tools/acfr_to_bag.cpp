@@ -61,7 +61,7 @@ void setGpsOrigin(const std::vector<double>& origin, GpsAssumptions& gps) {
 
 core::VehicleConfig loadVehicle(const std::string& file) {
   core::ConfigReport report;
-  const core::SuiteConfig suite = core::loadSuiteConfig({file}, "", report);
+  const core::SuiteConfig suite = core::loadSuiteConfig({file}, report);
   for (const std::string& warning : report.warnings) {
     std::fprintf(stderr, "acfr_to_bag: %s\n", warning.c_str());
   }

@@ -22,7 +22,7 @@ TEST(SuiteConfig, LaterFilesOverrideSingleParameters) {
   const std::string first = folder.write("first.yaml", "vehicle: {length_m: 5.0, width_m: 2.0}\n");
   const std::string second = folder.write("second.yaml", "vehicle: {width_m: 1.5}\n");
   ConfigReport report;
-  const SuiteConfig config = loadSuiteConfig({first, second}, "", report);
+  const SuiteConfig config = loadSuiteConfig({first, second}, report);
   EXPECT_THAT(report.errors, IsEmpty());
   EXPECT_THAT(report.warnings, IsEmpty());
   EXPECT_EQ(config.vehicle.length_m, 5.0);
@@ -36,7 +36,7 @@ TEST(SuiteConfig, NamedVehicleIsFoundBesideTheOverlay) {
                                            "vehicle: cart\n"
                                            "cekf_slam: {motion_input: odom}\n");
   ConfigReport report;
-  const SuiteConfig config = loadSuiteConfig({overlay}, "", report);
+  const SuiteConfig config = loadSuiteConfig({overlay}, report);
   EXPECT_THAT(report.errors, IsEmpty());
   EXPECT_EQ(config.vehicle.length_m, 1.25);
   EXPECT_EQ(config.cekf_slam.motion_input, "odom");
@@ -47,7 +47,7 @@ TEST(SuiteConfig, NamedVehicleIsFoundInTheConfigFolder) {
   folder.write("config/vehicles/cart.yaml", "vehicle: {length_m: 1.25}\n");
   const std::string overlay = folder.write("mine.yaml", "vehicle: cart\n");
   ConfigReport report;
-  const SuiteConfig config = loadSuiteConfig({overlay}, folder / "config", report);
+  const SuiteConfig config = loadSuiteConfig({overlay}, report, [&] { return folder / "config"; });
   EXPECT_THAT(report.errors, IsEmpty());
   EXPECT_EQ(config.vehicle.length_m, 1.25);
 }
@@ -57,7 +57,7 @@ TEST(SuiteConfig, VehicleMayBeAPath) {
   folder.write("robots/cart.yaml", "vehicle: {length_m: 1.25}\n");
   const std::string overlay = folder.write("mine.yaml", "vehicle: robots/cart.yaml\n");
   ConfigReport report;
-  EXPECT_EQ(loadSuiteConfig({overlay}, "", report).vehicle.length_m, 1.25);
+  EXPECT_EQ(loadSuiteConfig({overlay}, report).vehicle.length_m, 1.25);
   EXPECT_THAT(report.errors, IsEmpty());
 }
 
@@ -67,8 +67,22 @@ TEST(SuiteConfig, NamedVehicleReplacesTheOneBefore) {
   const std::string first = folder.write("datasets/a.yaml", "vehicle: {width_m: 0.5}\n");
   const std::string second = folder.write("datasets/b.yaml", "vehicle: cart\n");
   ConfigReport report;
-  const SuiteConfig config = loadSuiteConfig({first, second}, "", report);
+  const SuiteConfig config = loadSuiteConfig({first, second}, report);
   EXPECT_EQ(config.vehicle.width_m, VehicleConfig().width_m);
+}
+
+TEST(SuiteConfig, KnowsWhetherAFileTellsWhereTheLaserStands) {
+  const test::TemporaryFolder folder;
+  folder.write("vehicles/blind.yaml", "vehicle: {length_m: 1.25}\n");
+  folder.write("vehicles/cart.yaml", "vehicle: {laser: {x_m: 0.5}}\n");
+  const std::string blind = folder.write("datasets/blind.yaml", "vehicle: blind\n");
+  const std::string cart = folder.write("datasets/cart.yaml", "vehicle: cart\n");
+  const std::string overlay = folder.write("overlay.yaml", "vehicle: {laser: {y_m: 0.1}}\n");
+  ConfigReport report;
+  EXPECT_FALSE(loadSuiteConfig({blind}, report).vehicle_tells_laser);
+  EXPECT_TRUE(loadSuiteConfig({cart}, report).vehicle_tells_laser);
+  EXPECT_TRUE(loadSuiteConfig({blind, overlay}, report).vehicle_tells_laser);
+  EXPECT_FALSE(loadSuiteConfig({cart, blind}, report).vehicle_tells_laser);
 }
 
 TEST(SuiteConfig, ListsAllErrorsWithTheirFiles) {
@@ -80,7 +94,7 @@ TEST(SuiteConfig, ListsAllErrorsWithTheirFiles) {
   const std::string missing = folder / "missing.yaml";
   const std::string unknown = folder.write("unknown.yaml", "vehicle: hovercraft\n");
   ConfigReport report;
-  loadSuiteConfig({bad, broken, missing, unknown}, "", report);
+  loadSuiteConfig({bad, broken, missing, unknown}, report);
   EXPECT_THAT(report.errors, ElementsAre(AllOf(HasSubstr(bad), HasSubstr("vehicle.length_m")),
                                          AllOf(HasSubstr(bad), HasSubstr("vehicle.width_m")),
                                          AllOf(HasSubstr(bad), HasSubstr("cekf_slam.motion_input")),
@@ -94,7 +108,7 @@ TEST(SuiteConfig, UnknownNamesWarnWithTheNearestKnownOne) {
                                         "cekf_slm: {motion_input: odom}\n"
                                         "vehicle: {lenght_m: 2.0}\n");
   ConfigReport report;
-  loadSuiteConfig({file}, "", report);
+  loadSuiteConfig({file}, report);
   EXPECT_THAT(report.errors, IsEmpty());
   EXPECT_THAT(report.warnings, ElementsAre(HasSubstr("did you mean 'cekf_slam'?"),
                                            HasSubstr("did you mean 'vehicle.length_m'?")));
@@ -104,7 +118,7 @@ TEST(SuiteConfig, AFileThatHoldsNoParametersIsAnError) {
   const test::TemporaryFolder folder;
   const std::string file = folder.write("a.yaml", "- a list\n");
   ConfigReport report;
-  loadSuiteConfig({file}, "", report);
+  loadSuiteConfig({file}, report);
   EXPECT_THAT(report.errors, SizeIs(1));
 }
 
@@ -117,7 +131,7 @@ TEST(SuiteConfig, EveryShippedConfigurationLoadsWithoutWarning) {
     if (entry.path().extension() != ".yaml") continue;
     ++files;
     ConfigReport report;
-    loadSuiteConfig({entry.path().string()}, folder.string(), report);
+    loadSuiteConfig({entry.path().string()}, report, [&] { return folder.string(); });
     EXPECT_THAT(report.errors, IsEmpty()) << entry.path();
     EXPECT_THAT(report.warnings, IsEmpty()) << entry.path();
   }

@@ -1,0 +1,86 @@
+#include "pipeline/offline_run.h"
+
+#include <cmath>
+#include <utility>
+
+namespace hymm::core {
+namespace {
+
+// There is one filter so far, and it is always in charge.
+constexpr const char* kMode = "CEKF";
+
+bool isScan(const SensorEvent& event) {
+  return std::holds_alternative<ScanEvent>(event) || std::holds_alternative<ObservationSet>(event);
+}
+
+}  // namespace
+
+OfflineRun::OfflineRun(const SuiteConfig& config, ResultsWriter& results)
+    : config_(config),
+      results_(results),
+      merger_(config.cekf_slam.merger),
+      filter_(config.cekf_slam, config.vehicle) {}
+
+bool OfflineRun::process(SensorEvent event) {
+  if (isScan(event)) ++scans_in_;
+  if (!std::isfinite(timeOf(event))) {
+    ++incidents_["messages with a stamp that is not finite"];
+    return false;
+  }
+  const std::size_t resets = merger_.counts().clock_resets;
+  merger_.push(std::move(event));
+  for (const SensorEvent& released : merger_.popReady()) processReleased(released);
+  return merger_.counts().clock_resets > resets;
+}
+
+void OfflineRun::finish() {
+  for (const SensorEvent& released : merger_.flush()) processReleased(released);
+}
+
+void OfflineRun::processReleased(const SensorEvent& event) {
+  if (const auto* reset = std::get_if<ClockReset>(&event)) {
+    ++incidents_["times that the clock ran back and a new map was begun"];
+    results_.addReset(reset->time_s, "the clock ran back; a new map begins");
+  } else if (const auto* fix = std::get_if<GpsFix>(&event)) {
+    results_.addGps(*fix);
+  }
+  const std::optional<ScanOutcome> outcome = filter_.process(event);
+  if (!outcome) return;
+  if (outcome->accepted) {
+    results_.addScan({outcome->pose, outcome->health, kMode});
+  } else {
+    ++incidents_["scans refused: " + outcome->reason];
+  }
+}
+
+std::map<std::string, std::size_t> OfflineRun::incidents() const {
+  std::map<std::string, std::size_t> incidents = incidents_;
+  const auto add = [&](const char* what, std::size_t count) {
+    if (count > 0) incidents[what] += count;
+  };
+  const CekfSlam::Counts& counts = filter_.counts();
+  add("messages dropped: older than what was processed", merger_.counts().out_of_order);
+  add("motion inputs refused: not finite, or not later than the last", counts.refused_motion);
+  add("observations refused: not finite, or with an unusable covariance",
+      counts.refused_observations);
+  add("gaps in the motion input", counts.motion_gaps);
+  add("scans before any motion input", counts.scans_without_motion);
+  return incidents;
+}
+
+RunTotals OfflineRun::totals() const {
+  const CekfSlam::Counts& counts = filter_.counts();
+  RunTotals totals;
+  totals.subsystem_cpu_s = {{"perception", filter_.cpuTimes().perception_s},
+                            {"filter", filter_.cpuTimes().filter_s}};
+  totals.dropped_scans = scans_in_ - counts.scans;
+  totals.observations = counts.observations;
+  totals.associated = counts.associated;
+  totals.rejected = counts.rejected;
+  totals.map_corrections = counts.map_corrections;
+  totals.gps_antenna_m =
+      Eigen::Vector2d(config_.vehicle.gps_antenna.x_m, config_.vehicle.gps_antenna.y_m);
+  return totals;
+}
+
+}  // namespace hymm::core

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include "cekf/cekf_slam.h"
+#include "pipeline/results_writer.h"
+#include "pipeline/sensor_merger.h"
+#include "pipeline/suite_config.h"
+
+namespace hymm::core {
+
+/// All engines in one process, driven by a recording as fast as they can work. The same events
+/// give the same results, times that the machine took aside.
+class OfflineRun {
+ public:
+  /// Throws ConfigError if the configuration is unusable. `results` outlives the run.
+  OfflineRun(const SuiteConfig& config, ResultsWriter& results);
+
+  /// Takes an event in the order of the recording; one whose stamp is not finite is refused.
+  /// Returns whether another recording began with it.
+  bool process(SensorEvent event);
+
+  /// Counts a scan of the recording that could not become an event.
+  void countLostScan() { ++scans_in_; }
+
+  /// Processes what waited for later events. Nothing may be processed afterwards.
+  void finish();
+
+  /// Scans that the filter took so far.
+  std::size_t scans() const { return filter_.counts().scans; }
+
+  /// Landmarks of the map that the run ended with.
+  LandmarkMap landmarkMap() const { return filter_.landmarkMap(0.0); }
+
+  /// The part of the totals that the engines know.
+  RunTotals totals() const;
+
+  /// What was refused or reset, by cause, and how often.
+  std::map<std::string, std::size_t> incidents() const;
+
+ private:
+  void processReleased(const SensorEvent& event);
+
+  SuiteConfig config_;
+  ResultsWriter& results_;
+  SensorMerger merger_;
+  CekfSlam filter_;
+  std::size_t scans_in_ = 0;
+  std::map<std::string, std::size_t> incidents_;
+};
+
+}  // namespace hymm::core

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <exception>
+#include <filesystem>
+#include <string>
+
+#include <rosbag/exceptions.h>
+
+#include "common/error.h"
+
+namespace hymm {
+
+/// Runs `work` on the bag at `path`. Whatever goes wrong with the file becomes a core::InputError
+/// that names it and says what to do.
+template <class Work>
+auto withBagErrors(const std::string& path, const Work& work) {
+  std::error_code problem;
+  if (!std::filesystem::is_regular_file(path, problem)) {
+    throw core::InputError(path + ": there is no such file.");
+  }
+  if (std::filesystem::file_size(path, problem) == 0) {
+    throw core::InputError(path + ": the file is empty (0 bytes), not a bag.");
+  }
+  const std::string reindex = " Try `rosbag reindex " + path + "`, then run again.";
+  try {
+    return work();
+  } catch (const core::InputError&) {
+    throw;
+  } catch (const rosbag::BagUnindexedException&) {
+    throw core::InputError(path + ": the bag was not closed, so it has no index." + reindex);
+  } catch (const rosbag::BagIOException& error) {
+    throw core::InputError(path + ": the bag is cut off or cannot be read (" + error.what() + ")." +
+                           reindex);
+  } catch (const std::exception& error) {
+    throw core::InputError(path + ": the bag is damaged (" + error.what() + ")." + reindex);
+  }
+}
+
+}  // namespace hymm

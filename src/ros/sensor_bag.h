@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <rosbag/bag.h>
+#include <tf2/buffer_core.h>
+
+#include "ros/sensor_queue.h"
+
+namespace hymm {
+
+/// Which messages of a bag a run wants.
+struct BagSelection {
+  std::string motion_input = "dead_reckoning";    ///< or "odom"
+  std::string observation_input = "scan";         ///< or "detections"
+  std::map<std::string, std::string> remappings;  ///< our name of a topic to the bag's
+};
+
+/// The sensor messages of a bag, in the order in which `rosbag play` would publish them. Topics
+/// match with or without their leading slash.
+class SensorBag {
+ public:
+  /// Opens the bag and finds the topics. Throws core::InputError with a sentence that names the
+  /// bag and says what to do: it cannot be opened, is no bag, is empty, was not closed or is cut
+  /// off, lacks a topic (those found are listed), or has another type of message under its name.
+  SensorBag(const std::string& path, const BagSelection& selection);
+
+  /// Fills `tf` with /tf_static and with the first seconds of /tf: old recordings repeat fixed
+  /// transforms there.
+  void readTransforms(tf2::BufferCore& tf) const;
+
+  /// Calls `take` with each message, and `progress` (from 0 to 1) now and then. Messages that
+  /// cannot be decoded are skipped and counted. Throws core::InputError if the bag breaks off.
+  void read(const std::function<void(const SensorMessage&)>& take,
+            const std::function<void(double)>& progress);
+
+  /// Messages that could not be decoded, by topic.
+  const std::map<std::string, std::size_t>& undecodable() const { return undecodable_; }
+
+ private:
+  using Decoder = SensorMessage (*)(const rosbag::MessageInstance&);
+  struct Topic {
+    std::string type;
+    std::size_t messages = 0;
+  };
+
+  void listTopics();
+  void choose(const std::string& name, const BagSelection& selection, bool required);
+  std::string found() const;
+
+  std::string path_;
+  rosbag::Bag bag_;
+  std::map<std::string, Topic> topics_;    ///< everything in the bag
+  std::map<std::string, Decoder> chosen_;  ///< by the bag's name of the topic
+  std::map<std::string, std::size_t> undecodable_;
+};
+
+}  // namespace hymm

@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <ros/package.h>
+
+#include "common/error.h"
+#include "common/progress_bar.h"
+#include "datasets/landmark_recording.h"
+#include "pipeline/offline_run.h"
+#include "pipeline/results_writer.h"
+#include "pipeline/suite_config.h"
+#include "ros/process_usage.h"
+#include "tools/offline_source.h"
+
+namespace hymm {
+namespace {
+
+struct Options {
+  std::string bag;
+  std::vector<std::string> dataset;  // its kind and its path
+  int robot = 1;
+  std::vector<std::string> configs;
+  std::string output;
+  std::size_t seed = 0;
+  std::vector<std::string> only;
+  std::vector<std::string> topics;
+};
+
+void describe(CLI::App& app, Options& options) {
+  auto* source = app.add_option_group("source");
+  source->add_option("--bag", options.bag, "bag to run on");
+  source
+      ->add_option("--dataset", options.dataset,
+                   "public recording to run on: mrclam PATH, or dlr PATH")
+      ->expected(2);
+  source->require_option(1);
+  app.add_option("--robot", options.robot, "robot of an MRCLAM recording")->capture_default_str();
+  app.add_option("--config", options.configs, "YAML files, in order over the built-in defaults");
+  app.add_option("--output", options.output, "folder for the results; made if missing")->required();
+  app.add_option("--seed", options.seed, "of all randomness")->capture_default_str();
+  app.add_option("--only", options.only,
+                 "subsystems to run, by their nodes' names, comma-separated")
+      ->delimiter(',');
+  app.add_option("--topic", options.topics, "another name of a topic, as scan:=/front/scan");
+}
+
+std::string findConfigFolder() {
+  const std::string package = ros::package::getPath("hymm");
+  return package.empty() ? "" : package + "/config";
+}
+
+core::SuiteConfig readConfig(const Options& options) {
+  core::ConfigReport report;
+  const core::SuiteConfig config = core::loadSuiteConfig(options.configs, report, findConfigFolder);
+  for (const std::string& warning : report.warnings) std::cerr << "Warning: " << warning << '\n';
+  report.throwIfUnusable();
+  return config;
+}
+
+void checkSubsystems(const std::vector<std::string>& only) {
+  std::vector<std::string> problems;
+  for (const std::string& name : only) {
+    if (name == "cekf_slam") continue;
+    problems.push_back("--only: there is no subsystem '" + name +
+                       "' in this version; there is cekf_slam.");
+  }
+  if (!problems.empty()) throw core::ConfigError(problems);
+}
+
+std::vector<std::string> run(const Options& options, const core::SuiteConfig& config,
+                             core::OfflineRun& offline) {
+  constexpr double kSteps = 1000.0;
+  core::ProgressBar bar("Running", static_cast<std::size_t>(kSteps));
+  const auto progress = [&](double share) { bar.update(static_cast<std::size_t>(share * kSteps)); };
+  if (!options.bag.empty()) {
+    return runBag(options.bag, parseRemappings(options.topics), config, offline, progress);
+  }
+  return runRecording(readDataset(options.dataset.at(0), options.dataset.at(1), options.robot),
+                      offline, progress);
+}
+
+void runOffline(const Options& options) {
+  const auto start = std::chrono::steady_clock::now();
+  checkSubsystems(options.only);
+  const core::SuiteConfig config = readConfig(options);
+  core::ResultsWriter results(options.output);
+  core::OfflineRun offline(config, results);
+  const std::vector<std::string> notes = run(options, config, offline);
+  for (const std::string& note : notes) std::cerr << note << '\n';
+  if (offline.scans() == 0) throw core::InputError("No scan could be used; nothing was estimated.");
+
+  core::RunTotals totals = offline.totals();
+  totals.notes = notes;
+  totals.seed = options.seed;
+  const ProcessUsage usage = processUsage();
+  totals.peak_rss_mb = usage.peak_rss_mb;
+  totals.cpu_s = usage.cpu_s;
+  double other_s = totals.cpu_s;
+  for (const auto& subsystem : totals.subsystem_cpu_s) other_s -= subsystem.second;
+  totals.subsystem_cpu_s["other"] = std::max(0.0, other_s);
+  totals.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  results.finish(offline.landmarkMap(), totals);
+}
+
+}  // namespace
+}  // namespace hymm
+
+int main(int argc, char** argv) {
+  CLI::App app{"Runs the suite on a recording, in one process and as fast as the machine can."};
+  hymm::Options options;
+  hymm::describe(app, options);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    hymm::runOffline(options);
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "hymm_offline: " << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,100 @@
+#include "tools/offline_source.h"
+
+#include <utility>
+
+#include <tf2/buffer_core.h>
+
+#include "common/error.h"
+#include "ros/cause_log.h"
+#include "ros/event_reader.h"
+#include "ros/sensor_bag.h"
+
+namespace hymm {
+namespace {
+
+std::string counted(const std::string& what, std::size_t count) {
+  return what + ": " + std::to_string(count);
+}
+
+void addIncidents(const core::OfflineRun& run, std::vector<std::string>& notes) {
+  for (const auto& [what, count] : run.incidents()) notes.push_back(counted(what, count));
+}
+
+EventReader eventReader(const tf2::BufferCore& tf, const core::SuiteConfig& config,
+                        CauseLog& causes) {
+  const core::VehicleConfig& vehicle = config.vehicle;
+  std::optional<core::Pose2> laser;
+  if (config.vehicle_tells_laser) laser = vehicle.laser.T_base_sensor();
+  return EventReader(SensorMountings(tf, vehicle.base_frame, laser, 0.0),
+                     GpsConverter({vehicle.gps_antenna.x_m, vehicle.gps_antenna.y_m}), causes);
+}
+
+}  // namespace
+
+std::map<std::string, std::string> parseRemappings(const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> remappings;
+  std::vector<std::string> problems;
+  for (const std::string& text : texts) {
+    const std::size_t sign = text.find(":=");
+    if (sign == std::string::npos || sign == 0 || sign + 2 == text.size()) {
+      problems.push_back("--topic '" + text + "' should be like scan:=/front/scan.");
+    } else {
+      remappings[text.substr(0, sign)] = text.substr(sign + 2);
+    }
+  }
+  if (!problems.empty()) throw core::ConfigError(problems);
+  return remappings;
+}
+
+std::vector<std::string> runBag(const std::string& path,
+                                const std::map<std::string, std::string>& remappings,
+                                const core::SuiteConfig& config, core::OfflineRun& run,
+                                const Progress& progress) {
+  SensorBag bag(path,
+                {config.cekf_slam.motion_input, config.cekf_slam.observation_input, remappings});
+  tf2::BufferCore tf;
+  bag.readTransforms(tf);
+  CauseLog causes;
+  EventReader reader = eventReader(tf, config, causes);
+  const auto take = [&](const SensorMessage& message) {
+    if (auto event = reader.read(message, 0.0).event) {
+      // The next recording has its own transforms and its own GPS origin, as for a live node.
+      if (run.process(std::move(*event))) reader.reset();
+    } else if (isScan(message)) {
+      run.countLostScan();
+    }
+  };
+  bag.read(take, progress);
+  run.finish();
+
+  std::vector<std::string> notes;
+  for (const auto& [topic, count] : bag.undecodable()) {
+    notes.push_back(counted("messages of " + topic + " that could not be decoded", count));
+  }
+  for (const auto& [cause, count] : causes.counts()) notes.push_back(counted(cause, count));
+  addIncidents(run, notes);
+  return notes;
+}
+
+core::LandmarkRecording readDataset(const std::string& kind, const std::string& path, int robot) {
+  if (kind == "mrclam") return core::readMrclam(path, robot);
+  if (kind == "dlr") return core::readDlr(path);
+  throw core::InputError("--dataset " + kind + ": is not known; there are mrclam and dlr.");
+}
+
+std::vector<std::string> runRecording(const core::LandmarkRecording& recording,
+                                      core::OfflineRun& run, const Progress& progress) {
+  const auto total = static_cast<double>(recording.events.size());
+  double seen = 0.0;
+  for (const core::SensorEvent& event : recording.events) {
+    run.process(event);
+    progress(++seen / total);
+  }
+  run.finish();
+  std::vector<std::string> notes;
+  for (const auto& [what, count] : recording.counts) notes.push_back(counted(what, count));
+  addIncidents(run, notes);
+  return notes;
+}
+
+}  // namespace hymm
