@@ -6,6 +6,7 @@
 
 #include "common/angles.h"
 #include "common/error.h"
+#include "common/number_text.h"
 
 namespace hymm::core {
 namespace {
@@ -24,7 +25,7 @@ double checkedStamp(double time_s, std::size_t row, const std::string& origin) {
     return std::max(time_s, kEarliestStamp_s);
   }
   throw InputError(origin + ", row " + std::to_string(row + 1) + ": the time " +
-                   std::to_string(time_s) +
+                   numberText(time_s) +
                    " s is not between 0 and 4e9; correct it or get the file again.");
 }
 
@@ -109,11 +110,11 @@ void AcfrBuilder::addEvent(double time_s, double sensor, double index, const std
                      "; correct it or get the file again.");
   };
   if (sensor != 1.0 && sensor != 2.0 && sensor != 3.0) {
-    refuse("the sensor is " + std::to_string(sensor) +
+    refuse("the sensor is " + numberText(sensor) +
            ", but must be 1 (GPS), 2 (dead reckoning) or 3 (laser)");
   }
   if (!(index >= 1.0) || index != std::floor(index) || index > 1e9) {
-    refuse("the index " + std::to_string(index) + " is not a row number, which counts from 1");
+    refuse("the index " + numberText(index) + " is not a row number, which counts from 1");
   }
   const AcfrRecording::Event event{static_cast<AcfrSensor>(static_cast<int>(sensor)),
                                    static_cast<std::size_t>(index) - 1};

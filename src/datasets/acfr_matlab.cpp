@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "common/error.h"
+#include "common/number_text.h"
 #include "datasets/acfr_builder.h"
 #include "datasets/acfr_forms.h"
 #include "datasets/mat_file.h"
@@ -116,7 +117,7 @@ void addRawScans(const MatFile& file, AcfrBuilder& builder) {
       const double value = words.at(i, k);
       if (!(value >= 0.0 && value <= 65535.0)) {
         throw InputError(file.origin("LASER") + ", row " + std::to_string(i + 1) + ": " +
-                         std::to_string(value) + " is not a 16-bit range; get the file again.");
+                         numberText(value) + " is not a 16-bit range; get the file again.");
       }
       const auto word = static_cast<std::uint16_t>(value);
       ranges_m[k] = static_cast<double>(word & kRangeBits) * kMetresPerCentimetre;

@@ -119,8 +119,9 @@ class DlrReader {
     const auto number = [&](std::size_t i) { return numberOf(words[i]); };
     const Eigen::Matrix2d M = baseFromFile().topLeftCorner<2, 2>();
     const Eigen::Vector2d point = M * Eigen::Vector2d(number(1), number(2));
-    const Eigen::Matrix2d covariance =
-        (Eigen::Matrix2d() << number(4), number(5), number(5), number(6)).finished();
+    // Read before the matrix is begun: Eigen asserts that one which is begun is also filled.
+    const double xx = number(4), xy = number(5), yy = number(6);
+    const Eigen::Matrix2d covariance = (Eigen::Matrix2d() << xx, xy, xy, yy).finished();
     const int identity = identityOf(words);
     if (point.norm() == 0.0 || !isCovariance(covariance)) {
       ++unusable_;

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "common/error.h"
+#include "common/number_text.h"
 #include "datasets/file_source.h"
 #include "datasets/landmark_recording.h"
 #include "datasets/number_table.h"
@@ -28,6 +29,17 @@ NumberTable readTable(const FileSource& source, const std::string& name, std::si
   return table;
 }
 
+/// A subject or barcode. Throws InputError if it is not a whole number.
+int numeralAt(const NumberTable& table, std::size_t row, std::size_t column,
+              const std::string& origin) {
+  const double value = table.at(row, column);
+  if (value != std::floor(value) || std::abs(value) > 1e9) {
+    throw InputError(origin + ": row " + std::to_string(row + 1) + " has " + numberText(value) +
+                     " where a whole number should stand; get the file again.");
+  }
+  return static_cast<int>(value);
+}
+
 class MrclamReader {
  public:
   MrclamReader(const FileSource& source, int robot, const MrclamNoise& noise)
@@ -42,6 +54,7 @@ class MrclamReader {
     mergeEvents(readMotion(), readObservations());
     count("observations of other robots, skipped", of_robots_);
     count("observations of unknown barcodes, skipped", unknown_barcodes_);
+    count("observations whose range is not positive, skipped", not_positive_);
     count("odometry rows that are not later than the one before, skipped", standing_clock_);
     count("observations out of time order, sorted", out_of_order_);
     return std::move(recording_);
@@ -49,16 +62,19 @@ class MrclamReader {
 
  private:
   void readBarcodes() {
-    const NumberTable table = readTable(source_, "Barcodes.dat", 2);
+    const std::string name = "Barcodes.dat";
+    const NumberTable table = readTable(source_, name, 2);
     for (std::size_t i = 0; i < table.rows(); ++i) {
-      subject_of_barcode_[static_cast<int>(table.at(i, 1))] = static_cast<int>(table.at(i, 0));
+      const int barcode = numeralAt(table, i, 1, source_.origin(name));
+      subject_of_barcode_[barcode] = numeralAt(table, i, 0, source_.origin(name));
     }
   }
 
   void readLandmarks() {
-    const NumberTable table = readTable(source_, "Landmark_Groundtruth.dat", 5);
+    const std::string name = "Landmark_Groundtruth.dat";
+    const NumberTable table = readTable(source_, name, 5);
     for (std::size_t i = 0; i < table.rows(); ++i) {
-      recording_.truth_landmarks.push_back({static_cast<int>(table.at(i, 0)),
+      recording_.truth_landmarks.push_back({numeralAt(table, i, 0, source_.origin(name)),
                                             {table.at(i, 1), table.at(i, 2)},
                                             {table.at(i, 3), table.at(i, 4)}});
     }
@@ -88,18 +104,21 @@ class MrclamReader {
   }
 
   std::vector<ObservationSet> readObservations() {
-    const NumberTable table = readTable(source_, robot_ + "_Measurement.dat", 4);
+    const std::string name = robot_ + "_Measurement.dat";
+    const NumberTable table = readTable(source_, name, 4);
     std::map<double, ObservationSet> sets;  // observations of one image share its stamp
     double newest_s = table.at(0, 0);
     for (std::size_t i = 0; i < table.rows(); ++i) {
       const double time_s = table.at(i, 0);
       if (time_s < newest_s) ++out_of_order_;
       newest_s = std::max(newest_s, time_s);
-      const auto subject = subject_of_barcode_.find(static_cast<int>(table.at(i, 1)));
+      const auto subject = subject_of_barcode_.find(numeralAt(table, i, 1, source_.origin(name)));
       if (subject == subject_of_barcode_.end()) {
         ++unknown_barcodes_;
       } else if (subject->second <= kLastRobotSubject) {
         ++of_robots_;
+      } else if (table.at(i, 2) <= 0.0) {
+        ++not_positive_;
       } else {
         ObservationSet& set = sets[time_s];
         set.time_s = time_s;
@@ -145,6 +164,7 @@ class MrclamReader {
   std::map<int, int> subject_of_barcode_;
   std::size_t of_robots_ = 0;
   std::size_t unknown_barcodes_ = 0;
+  std::size_t not_positive_ = 0;
   std::size_t standing_clock_ = 0;
   std::size_t out_of_order_ = 0;
   LandmarkRecording recording_;

@@ -130,7 +130,7 @@ TEST_F(AcfrAscii, RefusesImpossibleEventOrder) {
   folder_.write("Sensors_manager.txt", "0.5 3 1.5\n");
   expectRefusal("is not a row number");
   folder_.write("Sensors_manager.txt", "0.5 4 1\n");
-  expectRefusal("row 1: the sensor is 4");
+  expectRefusal("row 1: the sensor is 4, but must be");
 }
 
 TEST_F(AcfrAscii, RefusesImpossibleStamps) {

@@ -84,6 +84,8 @@ TEST(Dlr, NamesLineOfWhatItCannotRead) {
   refuses(std::string(kStep) + "STEP image 0.1 0.2\n", "line 2: has 4 fields instead of 11");
   refuses(std::string("# head\n") + kStep + "LANDMARK_C 1 x 0.9 0.01 0 0.01 4\n",
           "line 3: 'x' is not a finite number");
+  refuses(std::string(kStep) + "LANDMARK_C 1 2 0.9 0.01 x 0.01 4\n",
+          "line 2: 'x' is not a finite number");
   refuses(std::string(kStep) + "LANDMARK_C 1 2 0.9 0.01 0 0.01 4.5\n", "'4.5' is not an identity");
   refuses("LANDMARK_C 1 2 0.9 0.01 0 0.01 4\n", "line 1: a landmark comes before the first step");
   refuses("GIF89a", "begins with 'GIF89a'");

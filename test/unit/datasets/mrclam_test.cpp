@@ -90,6 +90,17 @@ TEST_F(Mrclam, RefusesNumbersThatAreNotFinite) {
               ThrowsMessage<InputError>(HasSubstr("row 1 holds a number that is")));
 }
 
+TEST_F(Mrclam, RefusesBarcodeThatIsNoWholeNumber) {
+  folder_.write("Robot3_Measurement.dat", "100.1 72.5 2.0 0.5\n");
+  EXPECT_THAT([&] { read(); }, ThrowsMessage<InputError>(
+                                   HasSubstr("Measurement.dat: row 1 has 72.5 where a whole")));
+}
+
+TEST_F(Mrclam, SkipsRangesThatAreNotPositive) {
+  folder_.write("Robot3_Measurement.dat", "100.1 72 0 0.5\n100.1 72 -2 0.5\n");
+  EXPECT_EQ(countOf("range is not positive"), 2u);
+}
+
 TEST(MrclamRecording, ReadsPublishedSet) {
   HYMM_SKIP_WITHOUT_RECORDING(kArchive);
   const LandmarkRecording recording = readMrclam(test::recording(kArchive), 1);
