@@ -236,7 +236,7 @@ void runRecording(const Arguments& arguments, TimedDetector& detector, Tables& t
 
 core::PerceptionConfig loadConfig(const std::vector<std::string>& files) {
   core::ConfigReport report;
-  const core::SuiteConfig suite = core::loadSuiteConfig(files, "", report);
+  const core::SuiteConfig suite = core::loadSuiteConfig(files, report);
   for (const std::string& warning : report.warnings) {
     std::fprintf(stderr, "detector_statistics: %s\n", warning.c_str());
   }
