@@ -198,13 +198,15 @@ class CekfSlam::Impl {
     if (!estimate_.vehicle.hasInput()) ++counts_.scans_without_motion;
     estimate_.vehicle.moveTo(estimate_.filter, set.time_s);
 
+    SensorPlacement sensor = estimate_.vehicle.placement(set.T_base_sensor, estimate_.filter);
     ScanAssociation association =
-        associator_.associate(set, life_cycle_.registry(), estimate_.filter);
+        associator_.associate(set, sensor, life_cycle_.registry(), estimate_.filter);
     outcome.health = update(association);
+    sensor = estimate_.vehicle.placement(set.T_base_sensor, estimate_.filter);
     life_cycle_.confirm(set, association);
-    const std::vector<int> created = life_cycle_.create(set, association, estimate_.filter);
+    const std::vector<int> created = life_cycle_.create(set, sensor, association, estimate_.filter);
     const int missed =
-        scan != nullptr ? life_cycle_.miss(*scan, set, association, estimate_.filter) : 0;
+        scan != nullptr ? life_cycle_.miss(*scan, set, sensor, association, estimate_.filter) : 0;
     countObservations(association, created, missed, outcome);
     outcome.largest_correction_m = life_cycle_.refreshActive(estimate_.filter);
     life_cycle_.merge(association, estimate_.filter);
@@ -294,6 +296,7 @@ class CekfSlam::Impl {
     if (left) {
       estimate_.area_centre = (position / area.cell_m).array().round() * area.cell_m;
       ++counts_.area_switches;
+      life_cycle_.dropUnconfirmed(last_scan_s_, estimate_.filter);
     }
     estimate_.filter.globalUpdate();
     life_cycle_.refreshAll(estimate_.filter);

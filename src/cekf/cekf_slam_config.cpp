@@ -43,6 +43,10 @@ void LandmarkConfig::describe(ConfigSchema& schema) {
                  "scans that must see an object before it becomes a landmark");
   schema.integer("promote_within_scans", promote_within_scans, Range::between(1, 1000),
                  "number of scans in which they must happen");
+  schema.integer("confirm_observations", confirm_observations, Range::between(0, 1000),
+                 "a landmark with fewer is dropped when the vehicle has left it behind");
+  schema.number("unconfirmed_life_s", unconfirmed_life_s, Range::notNegative(),
+                "time since its last sighting after which it counts as left behind");
   schema.number("min_separation_m", min_separation_m, Range::notNegative(),
                 "of a new landmark from all others");
   schema.number("visible_range_m", visible_range_m, Range::positive(),

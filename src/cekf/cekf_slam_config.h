@@ -35,9 +35,11 @@ struct AssociationConfig {
 struct LandmarkConfig {
   int promote_sightings = 3;
   int promote_within_scans = 6;
-  double min_separation_m = 0.5;  ///< of a new landmark from all others
-  double visible_range_m = 25.0;  ///< farthest range at which a landmark is expected to be seen
-  double field_margin_rad = 0.1;  ///< inside the scan's edges
+  int confirm_observations = 5;      ///< below, a landmark is dropped once out of sight
+  double unconfirmed_life_s = 10.0;  ///< after its last sighting
+  double min_separation_m = 0.5;     ///< of a new landmark from all others
+  double visible_range_m = 25.0;     ///< farthest range at which a landmark is expected to be seen
+  double field_margin_rad = 0.1;     ///< inside the scan's edges
   double detection_probability = 0.7;         ///< of a visible landmark that exists
   double false_detection_probability = 0.05;  ///< of one that does not
   double drop_log_odds = -4.0;                ///< of existence

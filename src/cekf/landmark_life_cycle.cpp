@@ -82,7 +82,7 @@ void LandmarkLifeCycle::noteNeighboursSeenTogether(const std::vector<int>& slots
   }
 }
 
-std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set,
+std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set, const SensorPlacement& sensor,
                                            const ScanAssociation& association,
                                            CompressedEkf& filter) {
   std::vector<int> created(set.observations.size(), ScanAssociation::kNone);
@@ -93,8 +93,9 @@ std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set,
     }
     const Observation& observation = set.observations[i];
     if (observation.identity < 0) {
-      const LocatedLandmark located = locateLandmark(VehicleState::pose(filter), set.T_base_sensor,
-                                                     observation.range_m, observation.bearing_rad);
+      const LocatedLandmark located =
+          locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor, observation.range_m,
+                         observation.bearing_rad);
       if (!isFarFromOthers(located.position)) continue;
       const Matrix2d covariance =
           located.G_measurement * observation.covariance * located.G_measurement.transpose();
@@ -102,7 +103,7 @@ std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set,
         continue;
       }
     }
-    created[i] = promote(observation, set, filter);
+    created[i] = promote(observation, set, sensor, filter);
   }
   tentative_.expire(scan_number_);
   return created;
@@ -113,15 +114,12 @@ bool LandmarkLifeCycle::isFarFromOthers(const Vector2d& position) const {
 }
 
 int LandmarkLifeCycle::promote(const Observation& observation, const ObservationSet& set,
-                               CompressedEkf& filter) {
-  const LocatedLandmark located = locateLandmark(VehicleState::pose(filter), set.T_base_sensor,
+                               const SensorPlacement& sensor, CompressedEkf& filter) {
+  const LocatedLandmark located = locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
                                                  observation.range_m, observation.bearing_rad);
-  Eigen::Matrix<double, 2, Eigen::Dynamic> G(2, filter.vehicleStates());
-  G.setZero();
-  G.leftCols<3>() = located.G_pose;
   RegisteredLandmark landmark;
   landmark.slot = filter.append(
-      located.position, G,
+      located.position, vehicleJacobian(located, sensor, filter.vehicleStates()),
       located.G_measurement * observation.covariance * located.G_measurement.transpose());
   landmark.id = next_id_++;
   landmark.identity = observation.identity;
@@ -141,8 +139,9 @@ int LandmarkLifeCycle::promote(const Observation& observation, const Observation
 }
 
 int LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
-                            const ScanAssociation& association, CompressedEkf& filter) {
-  const Pose2 T_map_sensor = VehicleState::pose(filter) * set.T_base_sensor;
+                            const SensorPlacement& sensor, const ScanAssociation& association,
+                            CompressedEkf& filter) {
+  const Pose2 T_map_sensor = VehicleState::pose(filter) * sensor.T_base_sensor;
   const Pose2 T_sensor_map = inverse(T_map_sensor);
   int missed = 0;
   for (const int slot : registry_.slotsNear(T_map_sensor.position(), config_.visible_range_m)) {
@@ -159,6 +158,18 @@ int LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
     }
   }
   return missed;
+}
+
+void LandmarkLifeCycle::dropUnconfirmed(double time_s, CompressedEkf& filter) {
+  for (const int id : registry_.ids()) {
+    const RegisteredLandmark& landmark = registry_.byId(id);
+    if (landmark.identity >= 0 || landmark.observations >= config_.confirm_observations ||
+        time_s - landmark.last_seen_s < config_.unconfirmed_life_s) {
+      continue;
+    }
+    drop(id, filter);
+    ++counts_.dropped;
+  }
 }
 
 void LandmarkLifeCycle::merge(const ScanAssociation& association, CompressedEkf& filter) {

@@ -31,13 +31,16 @@ class LandmarkLifeCycle {
 
   /// Lets observations without a landmark become tentative ones, and promotes those seen often
   /// enough into the state. Returns by observation the new landmark's slot, or kNone.
-  std::vector<int> create(const ObservationSet& set, const ScanAssociation& association,
-                          CompressedEkf& filter);
+  std::vector<int> create(const ObservationSet& set, const SensorPlacement& sensor,
+                          const ScanAssociation& association, CompressedEkf& filter);
 
   /// Landmarks that `scan` should have shown and did not lose odds of existence; those that lost
   /// too much are dropped. Returns how many were missed.
-  int miss(const LaserScan& scan, const ObservationSet& set, const ScanAssociation& association,
-           CompressedEkf& filter);
+  int miss(const LaserScan& scan, const ObservationSet& set, const SensorPlacement& sensor,
+           const ScanAssociation& association, CompressedEkf& filter);
+
+  /// Drops landmarks that were seen too seldom to be trusted and have been left behind.
+  void dropUnconfirmed(double time_s, CompressedEkf& filter);
 
   /// Fuses landmarks of this scan with others that are the same object.
   void merge(const ScanAssociation& association, CompressedEkf& filter);
@@ -60,7 +63,8 @@ class LandmarkLifeCycle {
 
  private:
   bool isFarFromOthers(const Eigen::Vector2d& position) const;
-  int promote(const Observation& observation, const ObservationSet& set, CompressedEkf& filter);
+  int promote(const Observation& observation, const ObservationSet& set,
+              const SensorPlacement& sensor, CompressedEkf& filter);
   void noteNeighboursSeenTogether(const std::vector<int>& slots);
   bool areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
                     CompressedEkf& filter) const;

@@ -6,6 +6,12 @@
 
 namespace hymm::core {
 
+/// A sensor on the vehicle, with its mounting as estimated.
+struct SensorPlacement {
+  Pose2 T_base_sensor;
+  int yaw_state = -1;  ///< index of the mounting's yaw error among the vehicle's states, or -1
+};
+
 /// Range [m] and bearing [rad] of a landmark from a sensor on the vehicle, and the Jacobians.
 struct RangeBearing {
   Eigen::Vector2d value;               ///< (range, bearing in the sensor's frame)
@@ -27,5 +33,15 @@ struct LocatedLandmark {
 
 LocatedLandmark locateLandmark(const Pose2& T_map_base, const Pose2& T_base_sensor, double range_m,
                                double bearing_rad);
+
+/// Jacobian of the measurement by all the vehicle's states, 2 x vehicle_states.
+Eigen::Matrix<double, 2, Eigen::Dynamic> vehicleJacobian(const RangeBearing& predicted,
+                                                         const SensorPlacement& sensor,
+                                                         int vehicle_states);
+
+/// Jacobian of the landmark's position by all the vehicle's states, 2 x vehicle_states.
+Eigen::Matrix<double, 2, Eigen::Dynamic> vehicleJacobian(const LocatedLandmark& located,
+                                                         const SensorPlacement& sensor,
+                                                         int vehicle_states);
 
 }  // namespace hymm::core

@@ -5,7 +5,6 @@
 
 #include <Eigen/LU>
 
-#include "cekf/observation_model.h"
 #include "cekf/vehicle_state.h"
 #include "common/chi_square.h"
 
@@ -38,14 +37,14 @@ double diameterCost(const Observation& observation, const RegisteredLandmark& la
 
 }  // namespace
 
-SparseMeasurement measurementOf(const Observation& observation, const Pose2& T_base_sensor,
-                                int slot, const Vector2d& landmark, const CompressedEkf& filter) {
-  const RangeBearing z = predictRangeBearing(VehicleState::pose(filter), T_base_sensor, landmark);
+SparseMeasurement measurementOf(const Observation& observation, const SensorPlacement& sensor,
+                                int slot, const CompressedEkf& filter) {
+  const RangeBearing z =
+      predictRangeBearing(VehicleState::pose(filter), sensor.T_base_sensor, filter.landmark(slot));
   SparseMeasurement measurement;
   measurement.innovation << observation.range_m - z.value[0],
       wrapAngle(observation.bearing_rad - z.value[1]);
-  measurement.H_vehicle.setZero(2, filter.vehicleStates());
-  measurement.H_vehicle.leftCols<3>() = z.H_pose;
+  measurement.H_vehicle = vehicleJacobian(z, sensor, filter.vehicleStates());
   measurement.landmarks[0] = slot;
   measurement.H_landmarks[0] = z.H_landmark;
   measurement.noise = observation.covariance;
@@ -59,8 +58,8 @@ ScanAssociator::ScanAssociator(const AssociationConfig& config)
       identity_gate_(chiSquareQuantile(config.identity_probability, 2)),
       joint_({individual_gate_, config.joint_probability, config.max_nodes}) {}
 
-ScanAssociation ScanAssociator::associate(const ObservationSet& set, LandmarkRegistry& registry,
-                                          CompressedEkf& filter) const {
+ScanAssociation ScanAssociator::associate(const ObservationSet& set, const SensorPlacement& sensor,
+                                          LandmarkRegistry& registry, CompressedEkf& filter) const {
   const std::size_t n = set.observations.size();
   ScanAssociation result;
   result.slots.assign(n, ScanAssociation::kNone);
@@ -70,7 +69,7 @@ ScanAssociation ScanAssociator::associate(const ObservationSet& set, LandmarkReg
   const bool has_identities =
       std::any_of(set.observations.begin(), set.observations.end(),
                   [](const Observation& observation) { return observation.identity >= 0; });
-  if (has_identities) associateByIdentity(set, registry, filter, result);
+  if (has_identities) associateByIdentity(set, sensor, registry, filter, result);
 
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < n; ++i) {
@@ -79,7 +78,8 @@ ScanAssociation ScanAssociator::associate(const ObservationSet& set, LandmarkReg
       result.ignored[i] = true;
       continue;
     }
-    const auto compatible = compatibleLandmarks(set, static_cast<int>(i), registry, filter, result);
+    const auto compatible =
+        compatibleLandmarks(set, sensor, static_cast<int>(i), registry, filter, result);
     if (compatible.size() >= 2) ++result.ambiguous;
     candidates.insert(candidates.end(), compatible.begin(), compatible.end());
   }
@@ -87,8 +87,9 @@ ScanAssociation ScanAssociator::associate(const ObservationSet& set, LandmarkReg
   return result;
 }
 
-void ScanAssociator::associateByIdentity(const ObservationSet& set, LandmarkRegistry& registry,
-                                         CompressedEkf& filter, ScanAssociation& result) const {
+void ScanAssociator::associateByIdentity(const ObservationSet& set, const SensorPlacement& sensor,
+                                         LandmarkRegistry& registry, CompressedEkf& filter,
+                                         ScanAssociation& result) const {
   for (std::size_t i = 0; i < set.observations.size(); ++i) {
     const Observation& observation = set.observations[i];
     if (observation.identity < 0) continue;
@@ -96,8 +97,8 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, LandmarkRegi
     if (landmark == nullptr) continue;
     result.claimed[i] = true;
     filter.activate(landmark->slot);
-    const SparseMeasurement measurement = measurementOf(
-        observation, set.T_base_sensor, landmark->slot, filter.landmark(landmark->slot), filter);
+    const SparseMeasurement measurement =
+        measurementOf(observation, sensor, landmark->slot, filter);
     const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise;
     const bool seen_twice =
         std::find(result.slots.begin(), result.slots.end(), landmark->slot) != result.slots.end();
@@ -111,16 +112,16 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, LandmarkRegi
 }
 
 std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
-    const ObservationSet& set, int observation_index, const LandmarkRegistry& registry,
-    CompressedEkf& filter, ScanAssociation& result) const {
+    const ObservationSet& set, const SensorPlacement& sensor, int observation_index,
+    const LandmarkRegistry& registry, CompressedEkf& filter, ScanAssociation& result) const {
   const auto i = static_cast<std::size_t>(observation_index);
   const Observation& observation = set.observations[i];
   const Eigen::MatrixXd P_vv = filter.vehicleCovariance();
-  const LocatedLandmark located = locateLandmark(VehicleState::pose(filter), set.T_base_sensor,
+  const LocatedLandmark located = locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
                                                  observation.range_m, observation.bearing_rad);
-  const Matrix2d own =
-      located.G_pose * P_vv.topLeftCorner<3, 3>() * located.G_pose.transpose() +
-      located.G_measurement * observation.covariance * located.G_measurement.transpose();
+  const auto G = vehicleJacobian(located, sensor, filter.vehicleStates());
+  const Matrix2d own = G * P_vv * G.transpose() + located.G_measurement * observation.covariance *
+                                                      located.G_measurement.transpose();
   // The deviation of a difference is at most the sum of both deviations.
   const double gate = std::sqrt(new_landmark_gate_);
   const double own_reach_m = kSearchMargin_m + gate * largestDeviation(own);
@@ -133,8 +134,7 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
     if (distance_m > own_reach_m + gate * landmark.deviation_m) continue;
     filter.activate(slot);
     Candidate candidate;
-    candidate.measurement =
-        measurementOf(observation, set.T_base_sensor, slot, filter.landmark(slot), filter);
+    candidate.measurement = measurementOf(observation, sensor, slot, filter);
     const Matrix2d S = filter.innovationCovariance(candidate.measurement, candidate.measurement) +
                        candidate.measurement.noise;
     const Vector2d& innovation = candidate.measurement.innovation;

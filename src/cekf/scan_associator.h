@@ -6,6 +6,7 @@
 #include "cekf/compressed_ekf.h"
 #include "cekf/joint_compatibility.h"
 #include "cekf/landmark_registry.h"
+#include "cekf/observation_model.h"
 #include "perception/observation.h"
 
 namespace hymm::core {
@@ -28,8 +29,8 @@ class ScanAssociator {
  public:
   explicit ScanAssociator(const AssociationConfig& config);
 
-  ScanAssociation associate(const ObservationSet& set, LandmarkRegistry& registry,
-                            CompressedEkf& filter) const;
+  ScanAssociation associate(const ObservationSet& set, const SensorPlacement& sensor,
+                            LandmarkRegistry& registry, CompressedEkf& filter) const;
 
  private:
   struct Candidate {
@@ -41,9 +42,11 @@ class ScanAssociator {
   /// Bounds the work in a world denser than the parameters expect.
   static constexpr std::size_t kMaxCandidates = 5;
 
-  void associateByIdentity(const ObservationSet& set, LandmarkRegistry& registry,
-                           CompressedEkf& filter, ScanAssociation& result) const;
-  std::vector<Candidate> compatibleLandmarks(const ObservationSet& set, int observation,
+  void associateByIdentity(const ObservationSet& set, const SensorPlacement& sensor,
+                           LandmarkRegistry& registry, CompressedEkf& filter,
+                           ScanAssociation& result) const;
+  std::vector<Candidate> compatibleLandmarks(const ObservationSet& set,
+                                             const SensorPlacement& sensor, int observation,
                                              const LandmarkRegistry& registry,
                                              CompressedEkf& filter, ScanAssociation& result) const;
   void chooseJointly(const std::vector<Candidate>& candidates, const CompressedEkf& filter,
@@ -57,8 +60,7 @@ class ScanAssociator {
 };
 
 /// The measurement of an observation of the landmark in `slot`, which need not be active.
-SparseMeasurement measurementOf(const Observation& observation, const Pose2& T_base_sensor,
-                                int slot, const Eigen::Vector2d& landmark,
-                                const CompressedEkf& filter);
+SparseMeasurement measurementOf(const Observation& observation, const SensorPlacement& sensor,
+                                int slot, const CompressedEkf& filter);
 
 }  // namespace hymm::core

@@ -1,5 +1,7 @@
 #include "cekf/vehicle_state.h"
 
+#include <cmath>
+
 namespace hymm::core {
 
 VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum)
@@ -11,6 +13,8 @@ VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_g
   for (std::size_t k = 0; k < 3; ++k) {
     if (calibration_deviation_[k] > 0.0) calibration_index_[k] = size_++;
   }
+  laser_yaw_deviation_rad_ = prior.laser_yaw_deviation_rad;
+  if (laser_yaw_deviation_rad_ > 0.0) laser_yaw_index_ = size_++;
   if (with_gps_datum) {
     gps_datum_index_ = size_;
     size_ += 3;
@@ -29,12 +33,27 @@ Eigen::VectorXd VehicleState::initialState() const {
 
 Eigen::MatrixXd VehicleState::initialCovariance() const {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size_, size_);
+  covariance.block<2, 2>(kErrorIndex, kErrorIndex).setIdentity();
   for (std::size_t k = 0; k < 3; ++k) {
     const int index = calibration_index_[k];
     if (index >= 0)
       covariance(index, index) = calibration_deviation_[k] * calibration_deviation_[k];
   }
+  if (laser_yaw_index_ >= 0) {
+    covariance(laser_yaw_index_, laser_yaw_index_) =
+        laser_yaw_deviation_rad_ * laser_yaw_deviation_rad_;
+  }
   return covariance;
+}
+
+SensorPlacement VehicleState::placement(const Pose2& T_base_sensor,
+                                        const CompressedEkf& filter) const {
+  SensorPlacement sensor{T_base_sensor, laser_yaw_index_};
+  if (laser_yaw_index_ >= 0) {
+    const double yaw_error = filter.vehicle()[laser_yaw_index_];
+    sensor.T_base_sensor.yaw_rad = wrapAngle(T_base_sensor.yaw_rad + yaw_error);
+  }
+  return sensor;
 }
 
 Calibration VehicleState::calibration(const Eigen::VectorXd& state) const {
@@ -85,8 +104,9 @@ void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
   }
 
   Eigen::VectorXd state = filter.vehicle();
-  const MotionStep step = model_.step(Pose2::fromVector(state.head<3>()), input_,
-                                      calibration(state), age_s, duration_s);
+  const MotionStep step =
+      model_.step(Pose2::fromVector(state.head<3>()), input_, calibration(state), age_s, duration_s,
+                  {state[kErrorIndex], state[kErrorIndex + 1]});
   state.head<3>() = step.pose.vector();
   Eigen::MatrixXd J = Eigen::MatrixXd::Identity(size_, size_);
   J.topLeftCorner<3, 3>() = step.J_pose;
@@ -94,8 +114,14 @@ void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
     const int index = calibration_index_[static_cast<std::size_t>(k)];
     if (index >= 0) J.block<3, 1>(0, index) = step.J_calibration.col(k);
   }
+  // The errors decay and are renewed, so that their deviation stays one.
+  const double kept = std::exp(-duration_s / model_.correlationTime());
+  state.segment<2>(kErrorIndex) *= kept;
+  J.block<3, 2>(0, kErrorIndex) = step.J_error;
+  J.block<2, 2>(kErrorIndex, kErrorIndex) *= kept;
   Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(size_, size_);
-  Q.topLeftCorner<3, 3>() = step.noise;
+  Q.topLeftCorner<3, 3>() = step.white_noise;
+  Q(kErrorIndex, kErrorIndex) = Q(kErrorIndex + 1, kErrorIndex + 1) = 1.0 - kept * kept;
   filter.predict(state, J, Q);
   time_s_ = time_s;
 }

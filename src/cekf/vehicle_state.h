@@ -7,12 +7,14 @@
 #include <Eigen/Core>
 
 #include "cekf/compressed_ekf.h"
+#include "cekf/observation_model.h"
 #include "vehicle/motion_model.h"
 
 namespace hymm::core {
 
-/// The vehicle's part of the filter's state: pose (x, y, yaw), those calibration values that are
-/// estimated, and where east and north lie in the map if GPS is fused. Carries it along the motion.
+/// The vehicle's part of the filter's state: pose (x, y, yaw), the present errors of the motion
+/// input (speed, turn; in units of their deviations), those calibration values that are estimated,
+/// and where east and north lie in the map if GPS is fused. Carries it along the motion.
 class VehicleState {
  public:
   /// `twist` says which of the vehicle's calibration priors concern the turn.
@@ -23,6 +25,9 @@ class VehicleState {
   int gpsDatumIndex() const { return gps_datum_index_; }
   Eigen::VectorXd initialState() const;
   Eigen::MatrixXd initialCovariance() const;
+
+  /// A sensor mounted at `T_base_sensor`, turned by the yaw error as estimated.
+  SensorPlacement placement(const Pose2& T_base_sensor, const CompressedEkf& filter) const;
 
   static Pose2 pose(const CompressedEkf& filter) {
     return Pose2::fromVector(filter.vehicle().head<3>());
@@ -47,8 +52,11 @@ class VehicleState {
   double hold_limit_s_;
   std::array<int, 3> calibration_index_{-1, -1, -1};
   std::array<double, 3> calibration_deviation_{0.0, 0.0, 0.0};
+  int laser_yaw_index_ = -1;
+  double laser_yaw_deviation_rad_ = 0.0;
   int gps_datum_index_ = -1;
-  int size_ = 3;
+  static constexpr int kErrorIndex = 3;
+  int size_ = 5;
 
   MotionInput input_ = TwistInput{};
   bool has_input_ = false;

@@ -5,8 +5,6 @@
 namespace hymm {
 namespace {
 
-/// The model's noise is a density: that of errors which persist over correlation_time_s. Their
-/// variance at one moment is density / (2 * correlation_time_s), see MotionNoise.
 geometry_msgs::TwistWithCovariance toMessage(const core::BodyVelocity& velocity,
                                              double correlation_time_s) {
   geometry_msgs::TwistWithCovariance message;
@@ -14,7 +12,7 @@ geometry_msgs::TwistWithCovariance toMessage(const core::BodyVelocity& velocity,
   message.twist.linear.y = velocity.lateral_mps;
   message.twist.angular.z = velocity.yaw_rate_radps;
   message.covariance =
-      hymm::toMessage(core::Pose2{}, velocity.density / (2.0 * correlation_time_s)).covariance;
+      hymm::toMessage(core::Pose2{}, velocity.covariance(correlation_time_s)).covariance;
   return message;
 }
 

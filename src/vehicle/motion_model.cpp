@@ -33,74 +33,74 @@ MotionModel::MotionModel(const VehicleConfig& vehicle)
   }
 }
 
-BodyVelocity MotionModel::velocity(const AckermannInput& input,
-                                   const Calibration& calibration) const {
+BodyVelocity MotionModel::velocity(const AckermannInput& input, const Calibration& calibration,
+                                   const MotionError& error) const {
   const double L = geometry_.wheelbase_m, H = geometry_.encoder_offset_left_m;
-  const double steering = calibration.turn_scale * input.steering_rad + calibration.turn_offset;
+  const double speed_deviation =
+      std::hypot(noise_.speed_deviation_mps, noise_.speed_deviation_relative * input.speed_mps);
+  const double wheel_speed =
+      calibration.speed_scale * input.speed_mps + speed_deviation * error.speed;
+  const double steering = calibration.turn_scale * input.steering_rad + calibration.turn_offset +
+                          noise_.steering_deviation_rad * error.turn;
   double t = std::tan(std::clamp(steering, -1.4, 1.4));
   if (t * H / L > kLargestWheelShare) t = kLargestWheelShare * L / H;
   const double D = 1.0 - t * H / L;
 
   BodyVelocity v;
-  v.forward_mps = calibration.speed_scale * input.speed_mps / D;
+  v.forward_mps = wheel_speed / D;
   v.yaw_rate_radps = v.forward_mps * t / L;
 
-  const Eigen::Vector2d d_speed(1.0 / D,
-                                t / (L * D));  // of (forward, yaw rate) by the wheel's speed
+  const Eigen::Vector3d d_speed(1.0 / D, 0.0, t / (L * D));  // of the velocity by the wheel's speed
   const double d_forward_by_t = v.forward_mps * H / (L * D);
-  const Eigen::Vector2d d_steering =
-      (1.0 + t * t) * Eigen::Vector2d(d_forward_by_t, (v.forward_mps + t * d_forward_by_t) / L);
-  Eigen::Matrix<double, 2, 3> J_c;
-  J_c << input.speed_mps * d_speed, input.steering_rad * d_steering, d_steering;
-  v.J_calibration.row(0) = J_c.row(0);
-  v.J_calibration.row(2) = J_c.row(1);
-
-  const double tau = noise_.correlation_time_s;
-  const double q_speed = densityOf(noise_.speed_deviation_mps, tau) +
-                         densityOf(noise_.speed_deviation_relative * input.speed_mps, tau);
-  const double q_steering = densityOf(noise_.steering_deviation_rad, tau);
-  const Eigen::Matrix2d Q =
-      q_speed * d_speed * d_speed.transpose() + q_steering * d_steering * d_steering.transpose();
-  v.density << Q(0, 0), 0.0, Q(0, 1),                                               //
-      0.0, densityOf(noise_.lateral_deviation_relative * v.forward_mps, tau), 0.0,  //
-      Q(1, 0), 0.0, Q(1, 1);
+  const Eigen::Vector3d d_steering =
+      (1.0 + t * t) *
+      Eigen::Vector3d(d_forward_by_t, 0.0, (v.forward_mps + t * d_forward_by_t) / L);
+  v.J_calibration << input.speed_mps * d_speed, input.steering_rad * d_steering, d_steering;
+  v.J_error << speed_deviation * d_speed, noise_.steering_deviation_rad * d_steering;
+  v.white_density(1, 1) =
+      densityOf(noise_.lateral_deviation_relative * v.forward_mps, noise_.correlation_time_s);
   return v;
 }
 
-BodyVelocity MotionModel::velocity(const TwistInput& input, const Calibration& calibration) const {
+BodyVelocity MotionModel::velocity(const TwistInput& input, const Calibration& calibration,
+                                   const MotionError& error) const {
+  const double speed = std::hypot(input.forward_mps, input.lateral_mps);
+  const Eigen::Vector2d direction =
+      speed > 0.0 ? Eigen::Vector2d(input.forward_mps / speed, input.lateral_mps / speed)
+                  : Eigen::Vector2d::UnitX();
   BodyVelocity v;
-  v.forward_mps = calibration.speed_scale * input.forward_mps;
-  v.lateral_mps = calibration.speed_scale * input.lateral_mps;
-  v.yaw_rate_radps = calibration.turn_scale * input.yaw_rate_radps + calibration.turn_offset;
   v.J_calibration << input.forward_mps, 0.0, 0.0,  //
       input.lateral_mps, 0.0, 0.0,                 //
       0.0, input.yaw_rate_radps, 1.0;
-
   if (input.density) {
-    v.density = *input.density;
-    return v;
+    v.white_density = *input.density;
+  } else {
+    const double speed_deviation =
+        std::hypot(noise_.speed_deviation_mps, noise_.speed_deviation_relative * speed);
+    const double yaw_rate_deviation = std::hypot(
+        noise_.yaw_rate_deviation_radps, noise_.yaw_rate_deviation_relative * input.yaw_rate_radps);
+    v.J_error << speed_deviation * direction.x(), 0.0,  //
+        speed_deviation * direction.y(), 0.0,           //
+        0.0, yaw_rate_deviation;
+    v.white_density(1, 1) =
+        densityOf(noise_.lateral_deviation_relative * speed, noise_.correlation_time_s);
   }
-  const double tau = noise_.correlation_time_s;
-  const double speed = std::hypot(input.forward_mps, input.lateral_mps);
-  const double q_speed = densityOf(noise_.speed_deviation_mps, tau) +
-                         densityOf(noise_.speed_deviation_relative * speed, tau);
-  const double q_yaw_rate =
-      densityOf(noise_.yaw_rate_deviation_radps, tau) +
-      densityOf(noise_.yaw_rate_deviation_relative * input.yaw_rate_radps, tau);
-  const double q_lateral = densityOf(noise_.lateral_deviation_relative * speed, tau) +
-                           (speed > 0.0 ? q_speed * square(input.lateral_mps / speed) : 0.0);
-  v.density.diagonal() << q_speed, q_lateral, q_yaw_rate;
+  v.forward_mps = calibration.speed_scale * input.forward_mps + v.J_error(0, 0) * error.speed;
+  v.lateral_mps = calibration.speed_scale * input.lateral_mps + v.J_error(1, 0) * error.speed;
+  v.yaw_rate_radps = calibration.turn_scale * input.yaw_rate_radps + calibration.turn_offset +
+                     v.J_error(2, 1) * error.turn;
   return v;
 }
 
-BodyVelocity MotionModel::velocity(const MotionInput& input, const Calibration& calibration) const {
-  return std::visit([&](const auto& value) { return velocity(value, calibration); }, input);
+BodyVelocity MotionModel::velocity(const MotionInput& input, const Calibration& calibration,
+                                   const MotionError& error) const {
+  return std::visit([&](const auto& value) { return velocity(value, calibration, error); }, input);
 }
 
 MotionStep MotionModel::step(const Pose2& pose, const MotionInput& input,
-                             const Calibration& calibration, double age_s,
-                             double duration_s) const {
-  const BodyVelocity v = velocity(input, calibration);
+                             const Calibration& calibration, double age_s, double duration_s,
+                             const MotionError& error) const {
+  const BodyVelocity v = velocity(input, calibration, error);
   const double turn = v.yaw_rate_radps * duration_s;
   const Arc arc(turn);
   const Eigen::Vector2d chord(v.forward_mps * duration_s, v.lateral_mps * duration_s);
@@ -115,11 +115,14 @@ MotionStep MotionModel::step(const Pose2& pose, const MotionInput& input,
   Eigen::Matrix3d J_velocity = arc.velocityJacobian(chord, duration_s);
   J_velocity.topRows<2>() = R * J_velocity.topRows<2>().eval();
   step.J_calibration = J_velocity * v.J_calibration;
-  Eigen::Matrix3d density = v.density;
-  density.diagonal() += gapDensity(age_s + duration_s);
-  // White noise of the velocity: its covariance over the step is density / duration.
+  step.J_error = J_velocity * v.J_error;
   if (duration_s > 0.0) {
-    step.noise = J_velocity * density * J_velocity.transpose() / duration_s;
+    // White noise of the velocity: its covariance over the step is density / duration.
+    Eigen::Matrix3d density = v.white_density;
+    density.diagonal() += gapDensity(age_s + duration_s);
+    step.white_noise = J_velocity * density * J_velocity.transpose() / duration_s;
+    step.noise = step.white_noise + 2.0 * noise_.correlation_time_s / duration_s * step.J_error *
+                                        step.J_error.transpose();
   }
   return step;
 }

@@ -20,13 +20,26 @@ struct Calibration {
   static Calibration fromVector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 };
 
-/// Velocity of base_link after calibration, and how it depends on the calibration.
+/// Errors of the motion input that persist for a while (MotionNoise), in units of their deviations:
+/// the true speed and turn are those measured, plus error times deviation.
+struct MotionError {
+  double speed = 0.0;
+  double turn = 0.0;
+};
+
+/// Velocity of base_link after calibration, and how it depends on calibration and errors.
 struct BodyVelocity {
   double forward_mps = 0.0;
   double lateral_mps = 0.0;
   double yaw_rate_radps = 0.0;
   Eigen::Matrix3d J_calibration = Eigen::Matrix3d::Zero();  ///< d(forward, lateral, yaw rate)/d(c)
-  Eigen::Matrix3d density = Eigen::Matrix3d::Zero();        ///< noise of the velocity, (unit)^2 * s
+  Eigen::Matrix<double, 3, 2> J_error = Eigen::Matrix<double, 3, 2>::Zero();  ///< by MotionError
+  Eigen::Matrix3d white_density = Eigen::Matrix3d::Zero();  ///< all other noise, (unit)^2 * s
+
+  /// Of the velocity at one moment, with white noise averaged over twice the correlation time.
+  Eigen::Matrix3d covariance(double correlation_time_s) const {
+    return J_error * J_error.transpose() + white_density / (2.0 * correlation_time_s);
+  }
 };
 
 /// One step of motion: the pose after it and what a filter needs to carry its covariance along.
@@ -34,25 +47,36 @@ struct MotionStep {
   Pose2 pose;
   Eigen::Matrix3d J_pose = Eigen::Matrix3d::Identity();     ///< d(pose')/d(pose)
   Eigen::Matrix3d J_calibration = Eigen::Matrix3d::Zero();  ///< d(pose')/d(calibration)
-  Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();          ///< covariance added to pose'
+  Eigen::Matrix<double, 3, 2> J_error = Eigen::Matrix<double, 3, 2>::Zero();  ///< by MotionError
+  Eigen::Matrix3d white_noise = Eigen::Matrix3d::Zero();  ///< covariance added, without MotionError
+  Eigen::Matrix3d noise =
+      Eigen::Matrix3d::Zero();  ///< covariance added, MotionError taken as white
 };
 
 /// Motion of a planar vehicle from encoder speed and steering, or from a twist; noise from
-/// parameters with physical meaning (MotionNoise). Immutable and cheap to copy.
+/// parameters with physical meaning (MotionNoise). Over steps much longer than its correlation time
+/// an error acts as white noise of density 2 * deviation^2 * correlation time; over shorter ones it
+/// is a bias, which a filter carries as a state. Immutable and cheap to copy.
 class MotionModel {
  public:
   /// Throws ConfigError if the geometry is unusable.
   explicit MotionModel(const VehicleConfig& vehicle);
 
-  BodyVelocity velocity(const AckermannInput& input, const Calibration& calibration) const;
-  BodyVelocity velocity(const TwistInput& input, const Calibration& calibration) const;
-  BodyVelocity velocity(const MotionInput& input, const Calibration& calibration) const;
+  BodyVelocity velocity(const AckermannInput& input, const Calibration& calibration,
+                        const MotionError& error = {}) const;
+  BodyVelocity velocity(const TwistInput& input, const Calibration& calibration,
+                        const MotionError& error = {}) const;
+  BodyVelocity velocity(const MotionInput& input, const Calibration& calibration,
+                        const MotionError& error = {}) const;
 
   /// Moves `pose` for `duration_s` at constant velocity, along the exact arc. `age_s` is how old
   /// the input is when the step begins: beyond hold_limit_s the noise grows as for an unknown
   /// input.
   MotionStep step(const Pose2& pose, const MotionInput& input, const Calibration& calibration,
-                  double age_s, double duration_s) const;
+                  double age_s, double duration_s, const MotionError& error = {}) const;
+
+  /// How long MotionError persists.
+  double correlationTime() const { return noise_.correlation_time_s; }
 
  private:
   Eigen::Vector3d gapDensity(double age_s) const;

@@ -47,6 +47,8 @@ void CalibrationPrior::describe(ConfigSchema& schema) {
                 Range::between(0.0, 0.5), "of the steering's zero; 0 leaves it out");
   schema.number("yaw_rate_offset_deviation_radps", yaw_rate_offset_deviation_radps,
                 Range::between(0.0, 0.5), "of the yaw rate's zero; 0 leaves it out");
+  schema.number("laser_yaw_deviation_rad", laser_yaw_deviation_rad, Range::between(0.0, 0.5),
+                "of the laser's yaw on the vehicle; 0 leaves it out");
 }
 
 void VehicleConfig::describe(ConfigSchema& schema) {

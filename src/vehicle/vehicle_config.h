@@ -50,6 +50,7 @@ struct CalibrationPrior {
   double turn_scale_deviation = 0.0;             ///< of steering (Ackermann) or yaw rate (twist)
   double steering_offset_deviation_rad = 0.0;    ///< Ackermann
   double yaw_rate_offset_deviation_radps = 0.0;  ///< twist
+  double laser_yaw_deviation_rad = 0.0;          ///< of the laser's mounting
 
   void describe(ConfigSchema& schema);
 };

@@ -109,7 +109,7 @@ RC_GTEST_PROP(MotionModel, HasTheCalibrationJacobianOfItsStep, ()) {
   RC_ASSERT((analytic - numeric).norm() < kNumericJacobianError * (1.0 + numeric.norm()));
 }
 
-/// The density that errors of speed and steering give, by numeric derivatives of the velocity.
+/// The covariance that errors of speed and steering give, by numeric derivatives of the velocity.
 RC_GTEST_PROP(MotionModel, CarriesEncoderErrorsToTheVelocity, ()) {
   VehicleConfig vehicle = utilityCar();
   vehicle.noise.speed_deviation_relative = 0.0;
@@ -124,10 +124,10 @@ RC_GTEST_PROP(MotionModel, CarriesEncoderErrorsToTheVelocity, ()) {
   const double speed = vehicle.noise.speed_deviation_mps;
   const double steering = vehicle.noise.steering_deviation_rad;
   const Eigen::Vector3d variances(speed * speed, steering * steering, 0.0);
-  const Eigen::Matrix3d expected =
-      2.0 * vehicle.noise.correlation_time_s * J * variances.asDiagonal() * J.transpose();
-  const Eigen::Matrix3d density = model.velocity(input, Calibration{}).density;
-  RC_ASSERT((density - expected).norm() < 1e-6 * expected.norm());
+  const Eigen::Matrix3d expected = J * variances.asDiagonal() * J.transpose();
+  const Eigen::Matrix3d covariance =
+      model.velocity(input, Calibration{}).covariance(vehicle.noise.correlation_time_s);
+  RC_ASSERT((covariance - expected).norm() < 1e-6 * expected.norm());
 }
 
 RC_GTEST_PROP(MotionModel, FollowsTheArcThatSmallStraightStepsApproach, ()) {
