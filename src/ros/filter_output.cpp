@@ -75,6 +75,7 @@ FilterHealth FilterOutput::healthMessage(const core::CekfSlam& filter,
   message.associated = counts.associated;
   message.rejected = counts.rejected;
   message.map_corrections = counts.map_corrections;
+  message.resets = counts.resets;
   message.landmarks = static_cast<std::uint32_t>(filter.landmarkCount());
   message.perception_cpu_s = filter.cpuTimes().perception_s;
   message.filter_cpu_s = filter.cpuTimes().filter_s;

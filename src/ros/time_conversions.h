@@ -1,9 +1,9 @@
 #pragma once
 
-#include <ros/time.h>
-
 #include <cmath>
 #include <limits>
+
+#include <ros/time.h>
 
 namespace hymm {
 

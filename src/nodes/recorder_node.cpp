@@ -1,0 +1,148 @@
+#include "nodes/recorder_node.h"
+
+#include <limits>
+
+#include "ros/filter_conversions.h"
+#include "ros/map_conversions.h"
+#include "ros/steady_time.h"
+
+namespace hymm {
+namespace {
+
+constexpr std::uint32_t kUnbounded = 0;  // a record with holes would be worthless
+constexpr double kWriteDelay_s = 2.0;    // by stamps: what comes later than that is out of order
+
+}  // namespace
+
+void RecorderConfig::describe(core::ConfigSchema& schema) {
+  schema.text("output", output, "folder to write into; made if it does not exist");
+}
+
+RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle)
+    : vehicle_(vehicle),
+      writer_(config.output),
+      gps_(vehicle.gps_antenna.T_base_sensor().position()),
+      mode_("CEKF"),
+      begin_wall_s_(steadyNow()) {
+  const auto hints = ros::TransportHints().tcpNoDelay();
+  subscribers_ = {
+      handle_.subscribe("cekf/pose", kUnbounded, &RecorderNode::takePose, this, hints),
+      handle_.subscribe("cekf/health", kUnbounded, &RecorderNode::takeHealth, this, hints),
+      handle_.subscribe("landmarks", kUnbounded, &RecorderNode::takeMap, this, hints),
+      handle_.subscribe("landmark_updates", kUnbounded, &RecorderNode::takeUpdate, this, hints),
+      handle_.subscribe("gps/fix", kUnbounded, &RecorderNode::takeGps, this, hints),
+      handle_.subscribe("filter_status", kUnbounded, &RecorderNode::takeStatus, this, hints)};
+}
+
+void RecorderNode::takePose(const FilterPose& message) {
+  poses_.push_back(message);
+  pairUp();
+}
+
+void RecorderNode::takeHealth(const FilterHealth& message) {
+  healths_.push_back(message);
+  pairUp();
+}
+
+void RecorderNode::pairUp() {
+  while (!poses_.empty() && !healths_.empty()) {
+    const FilterPose& pose = poses_.front();
+    const FilterHealth& health = healths_.front();
+    if (pose.header.stamp == health.header.stamp) {
+      addScan(pose, health);
+      poses_.pop_front();
+      healths_.pop_front();
+    } else {  // joined in between the two
+      causes_.count("pose or health missing", "A pose came without its health, or the other way.");
+      if (pose.header.stamp < health.header.stamp) {
+        poses_.pop_front();
+      } else {
+        healths_.pop_front();
+      }
+    }
+  }
+}
+
+void RecorderNode::addScan(const FilterPose& pose, const FilterHealth& health) {
+  if (!last_health_) begin_wall_s_ = steadyNow();
+  const double time_s = pose.header.stamp.toSec();
+  if (last_health_ && health.resets != last_health_->resets) {
+    const bool ran_back = health.header.stamp <= last_health_->header.stamp;
+    beginAnew(time_s, ran_back ? "the clock ran back; a new map begins"
+                               : "the filter was reset; a new map begins");
+  }
+  last_health_ = health;
+  scans_.emplace(time_s, core::ScanRecord{fromMessage(pose), fromMessage(health), mode_});
+  write(time_s - kWriteDelay_s);
+}
+
+void RecorderNode::beginAnew(double time_s, const std::string& reason) {
+  write(std::numeric_limits<double>::infinity());
+  writer_.addReset(time_s, reason);
+  gps_.reset();
+}
+
+void RecorderNode::write(double up_to_s) {
+  while (true) {
+    const bool fix_is_next =
+        !fixes_.empty() && (scans_.empty() || fixes_.begin()->first <= scans_.begin()->first);
+    if (fix_is_next && fixes_.begin()->first <= up_to_s) {
+      writer_.addGps(fixes_.begin()->second);
+      fixes_.erase(fixes_.begin());
+    } else if (!fix_is_next && !scans_.empty() && scans_.begin()->first <= up_to_s) {
+      writer_.addScan(scans_.begin()->second);
+      scans_.erase(scans_.begin());
+    } else {
+      return;
+    }
+  }
+}
+
+void RecorderNode::takeMap(const LandmarkMap& message) { landmarks_.take(fromMessage(message)); }
+
+void RecorderNode::takeUpdate(const LandmarkUpdate& message) {
+  if (!landmarks_.take(fromMessage(message))) {
+    causes_.count("map incomplete", "Changes of the map are missing; waiting for the whole map.");
+  }
+}
+
+void RecorderNode::takeGps(const sensor_msgs::NavSatFix& message) {
+  const GpsConverter::Answer answer = gps_.convert(message);
+  if (answer.fix) {
+    fixes_.emplace(answer.fix->time_s, *answer.fix);
+  } else {
+    causes_.count("GPS fix refused", "A GPS fix is not recorded: " + answer.problem + ".");
+  }
+}
+
+void RecorderNode::takeStatus(const FilterStatus& message) {
+  if (message.mode == FilterStatus::INITIALISING || message.mode == mode_) return;
+  mode_ = message.mode;
+  writer_.addModeSwitch(message.header.stamp.toSec(), message.mode, message.reason);
+}
+
+core::RunTotals RecorderNode::totals() const {
+  core::RunTotals totals;
+  totals.wall_s = steadyNow() - begin_wall_s_;
+  totals.gps_antenna_m = vehicle_.gps_antenna.T_base_sensor().position();
+  totals.notes = {"Recorded live: cpu_s and peak_rss_mb are those of the node cekf_slam."};
+  if (!last_health_) return totals;
+  totals.cpu_s = last_health_->process_cpu_s;
+  totals.peak_rss_mb = last_health_->peak_rss_mb;
+  totals.subsystem_cpu_s = {{"perception", last_health_->perception_cpu_s},
+                            {"cekf", last_health_->filter_cpu_s}};
+  totals.dropped_scans =
+      static_cast<std::size_t>(last_health_->dropped_scans + last_health_->refused_scans);
+  totals.observations = static_cast<std::size_t>(last_health_->observations);
+  totals.associated = static_cast<std::size_t>(last_health_->associated);
+  totals.rejected = static_cast<std::size_t>(last_health_->rejected);
+  totals.map_corrections = static_cast<std::size_t>(last_health_->map_corrections);
+  return totals;
+}
+
+void RecorderNode::finish() {
+  write(std::numeric_limits<double>::infinity());
+  writer_.finish(landmarks_.map(), totals());
+}
+
+}  // namespace hymm

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <hymm/FilterHealth.h>
+#include <hymm/FilterPose.h>
+#include <hymm/FilterStatus.h>
+#include <hymm/LandmarkMap.h>
+#include <hymm/LandmarkUpdate.h>
+#include <ros/ros.h>
+#include <sensor_msgs/NavSatFix.h>
+
+#include "pipeline/results_writer.h"
+#include "ros/cause_log.h"
+#include "ros/gps_converter.h"
+#include "ros/landmark_mirror.h"
+#include "vehicle/vehicle_config.h"
+
+namespace hymm {
+
+/// Parameters of the node `recorder`.
+struct RecorderConfig {
+  std::string output;  ///< folder
+
+  void describe(core::ConfigSchema& schema);
+};
+
+/// The node `recorder`: writes what the live nodes find into the folder that `hymm_offline` would
+/// write. Scans and fixes go to disk in the order of their stamps, a little after they came;
+/// landmarks.csv and summary.json when the node ends.
+class RecorderNode {
+ public:
+  /// Throws OutputError if the folder cannot be written.
+  RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle);
+
+  /// Writes what is left; nothing may come afterwards. Throws OutputError.
+  void finish();
+
+ private:
+  void takePose(const FilterPose& message);
+  void takeHealth(const FilterHealth& message);
+  void takeMap(const LandmarkMap& message);
+  void takeUpdate(const LandmarkUpdate& message);
+  void takeGps(const sensor_msgs::NavSatFix& message);
+  void takeStatus(const FilterStatus& message);
+
+  void pairUp();
+  void addScan(const FilterPose& pose, const FilterHealth& health);
+  void beginAnew(double time_s, const std::string& reason);
+  void write(double up_to_s);
+  core::RunTotals totals() const;
+
+  core::VehicleConfig vehicle_;
+  core::ResultsWriter writer_;
+  CauseLog causes_;
+  GpsConverter gps_;
+  LandmarkMirror landmarks_;
+  std::string mode_;
+  std::deque<FilterPose> poses_;                   ///< whose health has not come
+  std::deque<FilterHealth> healths_;               ///< whose pose has not come
+  std::multimap<double, core::ScanRecord> scans_;  ///< by stamp, to be written
+  std::multimap<double, core::GpsFix> fixes_;      ///< by stamp, to be written
+  std::optional<FilterHealth> last_health_;
+  double begin_wall_s_;
+
+  ros::NodeHandle handle_;
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+}  // namespace hymm

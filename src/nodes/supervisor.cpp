@@ -1,0 +1,16 @@
+#include "nodes/supervisor_node.h"
+#include "ros/node_main.h"
+#include "ros/parameters.h"
+
+int main(int argc, char** argv) {
+  return hymm::runNode(argc, argv, "supervisor", [] {
+    const ros::NodeHandle private_handle("~");
+    hymm::core::ConfigReport report;
+    hymm::core::SupervisorConfig config;
+    hymm::readParameters(private_handle, config, report);
+    const hymm::VehicleParameters vehicle = hymm::readVehicle(private_handle, report);
+    hymm::tellOrThrow(report);
+    const hymm::SupervisorNode node(config, vehicle.config);
+    ros::spin();
+  });
+}

@@ -1,0 +1,143 @@
+#include "nodes/supervisor_node.h"
+
+#include <limits>
+
+#include <hymm/FilterStatus.h>
+
+#include "ros/pose_conversions.h"
+#include "ros/steady_time.h"
+
+namespace hymm {
+namespace {
+
+constexpr std::uint32_t kQueue = 10000;
+constexpr bool kLatched = true;
+
+}  // namespace
+
+SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
+                               const core::VehicleConfig& vehicle)
+    : config_(config),
+      tf_listener_(tf_),
+      map_odom_(tf_, vehicle, config.transform_wait_s),
+      watch_(handle_, vehicle.odom_frame),
+      trajectory_(vehicle.map_frame, config.trajectory_spacing_m,
+                  static_cast<std::size_t>(config.trajectory_max_poses)) {
+  pose_publisher_ = handle_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", kQueue);
+  status_publisher_ = handle_.advertise<FilterStatus>("filter_status", 100, kLatched);
+  trajectory_publisher_ = handle_.advertise<nav_msgs::Path>("trajectory", 2, kLatched);
+  const auto hints = ros::TransportHints().tcpNoDelay();
+  pose_subscriber_ = handle_.subscribe("cekf/pose", kQueue, &SupervisorNode::takePose, this, hints);
+  health_subscriber_ =
+      handle_.subscribe("cekf/health", kQueue, &SupervisorNode::takeHealth, this, hints);
+  initial_pose_subscriber_ =
+      handle_.subscribe("initialpose", 10, &SupervisorNode::takeInitialPose, this);
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("supervisor", this, &SupervisorNode::diagnose);
+  diagnostics_timer_ = handle_.createSteadyTimer(
+      ros::WallDuration(1.0),
+      [this](const ros::SteadyTimerEvent&) { diagnostics_.force_update(); });
+  timer_ = handle_.createSteadyTimer(ros::WallDuration(1.0 / config.tf_rate_hz),
+                                     [this](const ros::SteadyTimerEvent&) { tick(); });
+  decide();
+}
+
+void SupervisorNode::takePose(const FilterPose& message) {
+  if (message.header.stamp < pose_stamp_) beginAnew();
+  pose_stamp_ = message.header.stamp;
+  pose_wall_s_ = steadyNow();
+  ++poses_;
+  geometry_msgs::PoseWithCovarianceStamped pose;
+  pose.header = message.header;
+  pose.pose = message.pose;
+  pose_publisher_.publish(pose);
+  const core::Pose2 T_map_base = fromMessage(message.pose.pose);
+  trajectory_.add(message.header.stamp, T_map_base);
+  map_odom_.setPose(message.header.stamp, T_map_base, *pose_wall_s_);
+  decide();
+}
+
+void SupervisorNode::takeHealth(const FilterHealth& message) {
+  evidence_.nis = message.nis;
+  evidence_.dof = static_cast<int>(message.dof);
+  evidence_.ambiguity = message.ambiguity;
+  evidence_.unexplained = message.unexplained;
+  evidence_.missed = message.missed;
+}
+
+void SupervisorNode::takeInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  ++initial_poses_refused_;
+  core::SupervisorDecision told = decision_;
+  told.reason = "An initialpose in frame '" + message.header.frame_id +
+                "' is not followed: placing the vehicle in a map that exists takes the "
+                "relocaliser, which is not running. To begin a new map here, call 'reset'. " +
+                decision_.reason;
+  ROS_WARN_STREAM(told.reason);
+  publishStatus(told);
+}
+
+void SupervisorNode::tick() {
+  const double now_s = steadyNow();
+  map_odom_.broadcast(ros::Time::now(), now_s);
+  decide();
+  const bool due = now_s - trajectory_sent_s_ >= 1.0 / config_.trajectory_rate_hz;
+  if (due && trajectory_.message().poses.size() != trajectory_sent_poses_) {
+    trajectory_publisher_.publish(trajectory_.message());
+    trajectory_sent_s_ = now_s;
+    trajectory_sent_poses_ = trajectory_.message().poses.size();
+  }
+}
+
+void SupervisorNode::decide() {
+  if (pose_wall_s_) evidence_.pose_age_s = steadyNow() - *pose_wall_s_;
+  evidence_.odometry_problem = map_odom_.problem();
+  evidence_.odometry_known = evidence_.odometry_problem.empty();
+  const core::SupervisorDecision next = core::computeDecision(decision_.mode, evidence_, config_);
+  const bool tell = !status_sent_ || next.mode != decision_.mode ||
+                    next.silent != decision_.silent ||
+                    next.without_odometry != decision_.without_odometry;
+  decision_ = next;
+  if (tell) publishStatus(decision_);
+}
+
+void SupervisorNode::publishStatus(const core::SupervisorDecision& decision) {
+  FilterStatus message;
+  message.header.stamp = ros::Time::now();
+  message.mode = core::nameOf(decision.mode);
+  message.reason = decision.reason;
+  for (const core::EvidenceFigure& figure : decision.figures) {
+    Evidence evidence;
+    evidence.name = figure.name;
+    evidence.value = figure.value;
+    evidence.limit = figure.limit.value_or(std::numeric_limits<double>::quiet_NaN());
+    message.evidence.push_back(evidence);
+  }
+  status_publisher_.publish(message);
+  status_sent_ = true;
+}
+
+void SupervisorNode::beginAnew() {
+  ROS_WARN("The poses' time stamps ran back: another recording begins.");
+  tf_.clear();
+  map_odom_.reset();
+  trajectory_.clear();
+  trajectory_sent_poses_ = 0;
+}
+
+void SupervisorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const bool well =
+      decision_.mode == core::FilterMode::kCekf && !decision_.silent && !decision_.without_odometry;
+  status.summary(well ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
+                 core::nameOf(decision_.mode) + ": " + decision_.reason);
+  status.add("poses", poses_);
+  status.add("initialpose not followed", initial_poses_refused_);
+  for (const core::EvidenceFigure& figure : decision_.figures)
+    status.add(figure.name, figure.value);
+  for (const auto& [node, count] : watch_.others()) {
+    status.add("map -> odom from " + node, count);
+    status.mergeSummary(DiagnosticStatus::ERROR, node + " publishes map -> odom, too");
+  }
+}
+
+}  // namespace hymm

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <optional>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <hymm/FilterHealth.h>
+#include <hymm/FilterPose.h>
+#include <ros/ros.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include "ros/map_odom_broadcaster.h"
+#include "ros/trajectory_path.h"
+#include "ros/transform_watch.h"
+#include "supervisor/supervisor_decision.h"
+
+namespace hymm {
+
+/// The node `supervisor`: decides which filter is in charge, and owns `pose`, `filter_status`,
+/// `trajectory` and tf map -> odom.
+class SupervisorNode {
+ public:
+  SupervisorNode(const core::SupervisorConfig& config, const core::VehicleConfig& vehicle);
+
+ private:
+  void takePose(const FilterPose& message);
+  void takeHealth(const FilterHealth& message);
+  void takeInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
+  void tick();
+  void decide();
+  void publishStatus(const core::SupervisorDecision& decision);
+  void beginAnew();
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  core::SupervisorConfig config_;
+  core::SupervisorDecision decision_;
+  core::SupervisorEvidence evidence_;
+  bool status_sent_ = false;
+  std::optional<double> pose_wall_s_;
+  ros::Time pose_stamp_;
+  std::size_t poses_ = 0;
+  std::size_t initial_poses_refused_ = 0;
+  double trajectory_sent_s_ = 0.0;
+  std::size_t trajectory_sent_poses_ = 0;
+
+  ros::NodeHandle handle_;
+  tf2_ros::Buffer tf_;
+  tf2_ros::TransformListener tf_listener_;
+  MapOdomBroadcaster map_odom_;
+  TransformWatch watch_;
+  TrajectoryPath trajectory_;
+  ros::Publisher pose_publisher_, status_publisher_, trajectory_publisher_;
+  ros::Subscriber pose_subscriber_, health_subscriber_, initial_pose_subscriber_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::SteadyTimer timer_, diagnostics_timer_;
+};
+
+}  // namespace hymm

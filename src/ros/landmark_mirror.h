@@ -1,0 +1,25 @@
+#pragma once
+
+#include "cekf/landmark_map.h"
+
+namespace hymm {
+
+/// The filter's landmark map as messages tell it: whole maps now and then, changes in between.
+class LandmarkMirror {
+ public:
+  void take(const core::LandmarkMap& map);
+
+  /// Returns false if changes in between are missing: the mirror waits for the next whole map.
+  bool take(const core::LandmarkUpdate& update);
+
+  /// Cross-covariances are those of the last whole map.
+  const core::LandmarkMap& map() const { return map_; }
+
+ private:
+  void change(const core::LandmarkEstimate& landmark);
+  void remove(int id);
+
+  core::LandmarkMap map_;
+};
+
+}  // namespace hymm
