@@ -10,10 +10,10 @@
 #include "common/config.h"
 #include "common/error.h"
 #include "common/progress_bar.h"
-#include "common/unfinished_file.h"
 #include "datasets/acfr_recording.h"
 #include "pipeline/suite_config.h"
 #include "tools/acfr_bag_writer.h"
+#include "tools/bag_output.h"
 
 namespace hymm {
 namespace {
@@ -90,21 +90,15 @@ void writeEvents(const core::AcfrRecording& recording, AcfrBagWriter& writer) {
 
 void writeBag(const core::AcfrRecording& recording, const core::VehicleConfig& vehicle,
               const Arguments& arguments) {
-  core::UnfinishedFile file(arguments.output);
-  {
-    rosbag::Bag bag(file.path().string(), rosbag::bagmode::Write);
-    // Victoria Park: a quarter of the size for 0.06 s more of reading it all.
-    bag.setCompression(rosbag::compression::LZ4);
-    AcfrBagWriter writer(bag, vehicle, arguments.gps);
-    const double start_s = recording.timeOf(recording.events.front());
-    writer.writeMountings(start_s);
-    if (!recording.fixes.empty()) writer.writeGpsOrigin(start_s);
-    writeEvents(recording, writer);
-    bag.close();
-  }
-  // A full disk shows only now: a bag whose end is missing cannot be opened.
-  rosbag::Bag(file.path().string(), rosbag::bagmode::Read).close();
-  file.complete();
+  BagOutput output(arguments.output);
+  // Victoria Park: a quarter of the size for 0.06 s more of reading it all.
+  output.bag().setCompression(rosbag::compression::LZ4);
+  AcfrBagWriter writer(output.bag(), vehicle, arguments.gps);
+  const double start_s = recording.timeOf(recording.events.front());
+  writer.writeMountings(start_s);
+  if (!recording.fixes.empty()) writer.writeGpsOrigin(start_s);
+  writeEvents(recording, writer);
+  output.complete();
 }
 
 void printSummary(const core::AcfrRecording& recording, const Arguments& arguments) {
@@ -130,7 +124,12 @@ void run(const Arguments& arguments) {
   if (recording.events.empty()) {
     throw core::InputError("The recording holds no events; nothing was written.");
   }
-  writeBag(recording, vehicle, arguments);
+  try {
+    writeBag(recording, vehicle, arguments);
+  } catch (const rosbag::BagException& error) {
+    throw core::InputError(arguments.output.string() + " cannot be written (" + error.what() +
+                           "); check that the disk has room and the folder can be written to.");
+  }
   printSummary(recording, arguments);
 }
 

@@ -41,11 +41,12 @@ class AcfrToBag : public testing::Test {
 
   std::filesystem::path bagPath() const { return folder_.path() / "out.bag"; }
 
-  /// The exit code; what the tool printed goes to printed_.
-  int run(const std::string& options) {
+  /// The exit code; what the tool printed goes to printed_. `before`: shell commands that set the
+  /// stage.
+  int run(const std::string& options, const std::string& before = "") {
     const std::filesystem::path log = folder_.path() / "log";
     const std::string command =
-        std::string(ACFR_TO_BAG) + " " + options + " > " + log.string() + " 2>&1";
+        before + std::string(ACFR_TO_BAG) + " " + options + " > " + log.string() + " 2>&1";
     const int status = std::system(command.c_str());
     printed_ = core::readFile(log);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
@@ -225,6 +226,25 @@ TEST_F(AcfrToBag, BadRecordingLeavesNoBag) {
   EXPECT_EQ(convert(), 1);
   EXPECT_THAT(printed_, AllOf(HasSubstr("acfr_to_bag: "), HasSubstr("'ten' is not a number")));
   expectNoOutput();
+}
+
+TEST_F(AcfrToBag, FullDiskIsToldAndLeavesNoBag) {
+  // Enough scans for several chunks of the bag, and room for less.
+  std::string scans, order;
+  for (int i = 0; i < 3000; ++i) {
+    scans += test::acfrScanText(std::to_string(1 + i), static_cast<std::size_t>(i % 361),
+                                std::to_string(i % 79));
+    order += std::to_string(1 + i) + " 3 " + std::to_string(1 + i) + "\n";
+  }
+  folder_.write("LASER.txt", scans);
+  folder_.write("Sensors_manager.txt", order);
+  for (const char* blocks : {"4", "40"}) {
+    EXPECT_EQ(run(options(folder_.path().string()),
+                  std::string("trap '' XFSZ; ulimit -f ") + blocks + "; "),
+              1);
+    EXPECT_THAT(printed_, HasSubstr("out.bag cannot be written"));
+    expectNoOutput();
+  }
 }
 
 TEST_F(AcfrToBag, FailureKeepsAnOlderBag) {
