@@ -1,7 +1,14 @@
 #include "ros/sensor_bag.h"
 
+#include <cstdint>
+#include <cstring>
 #include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
+#include <boost/make_shared.hpp>
+#include <ros/serialization.h>
 #include <rosbag/view.h>
 #include <tf2_msgs/TFMessage.h>
 
@@ -14,23 +21,78 @@ namespace {
 constexpr double kTransformsFromTf_s = 10.0;
 constexpr std::size_t kMessagesPerProgress = 512;
 
+// The largest message that is believed: 30 million ranges with intensities. Damage makes more.
+constexpr std::uint32_t kLargestMessage_bytes = 1U << 28U;
+
+/// Walks over serialised fields, to see whether the lengths of arrays fit before ROS allocates
+/// them.
+class FieldWalker {
+ public:
+  explicit FieldWalker(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
+
+  void skip(std::size_t count) {
+    if (count > bytes_.size() - place_) throw std::runtime_error("a length beyond the message");
+    place_ += count;
+  }
+
+  void skipArray(std::size_t element_bytes) {
+    std::uint32_t count = 0;
+    const std::size_t begin = place_;
+    skip(sizeof(count));
+    std::memcpy(&count, bytes_.data() + begin, sizeof(count));
+    skip(count * element_bytes);
+  }
+
+  void skipHeader() {
+    skip(12);  // sequence number and stamp
+    skipArray(1);
+  }
+
+ private:
+  const std::vector<std::uint8_t>& bytes_;
+  std::size_t place_ = 0;
+};
+
+/// Throws if a message of the type holds longer arrays than bytes.
+template <class Message>
+void checkLengths(const std::vector<std::uint8_t>& bytes) {
+  FieldWalker walker(bytes);
+  if constexpr (std::is_same_v<Message, sensor_msgs::LaserScan>) {
+    walker.skipHeader();
+    walker.skip(7 * sizeof(float));
+    walker.skipArray(sizeof(float));
+    walker.skipArray(sizeof(float));
+  } else if constexpr (std::is_same_v<Message, LandmarkObservations>) {
+    walker.skipHeader();
+    walker.skipArray(8 * sizeof(double) + sizeof(std::uint8_t) + sizeof(std::int32_t));
+  }
+}
+
 template <class Message>
 SensorMessage decode(const rosbag::MessageInstance& instance) {
-  boost::shared_ptr<const Message> message = instance.instantiate<Message>();
-  if (!message) throw std::runtime_error("another definition of the message");
-  return message;
+  if (instance.getMD5Sum() != ros::message_traits::md5sum<Message>()) {
+    throw std::runtime_error("another definition of the message");
+  }
+  const std::uint32_t size = instance.size();
+  if (size > kLargestMessage_bytes) throw std::runtime_error("a message of impossible size");
+  std::vector<std::uint8_t> bytes(size);
+  ros::serialization::OStream out(bytes.data(), size);
+  instance.write(out);
+  checkLengths<Message>(bytes);
+  auto message = boost::make_shared<Message>();
+  ros::serialization::IStream in(bytes.data(), size);
+  ros::serialization::deserialize(in, *message);
+  return boost::shared_ptr<const Message>(std::move(message));
 }
 
 struct Kind {
   std::string type;
-  std::string md5;
   SensorMessage (*decode)(const rosbag::MessageInstance&);
 };
 
 template <class Message>
 Kind kindOf() {
-  return {ros::message_traits::datatype<Message>(), ros::message_traits::md5sum<Message>(),
-          decode<Message>};
+  return {ros::message_traits::datatype<Message>(), decode<Message>};
 }
 
 Kind kindOfTopic(const std::string& name) {
