@@ -1,10 +1,13 @@
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
 
 #include "common/error.h"
+#include "common/gaussian.h"
 #include "perception/perception.h"
+#include "perception/scan_check.h"
 #include "support/analytic_laser.h"
 
 namespace hymm::core {
@@ -218,6 +221,44 @@ TEST(TrunkDetector, FindsNothingWhenDisabled) {
   PerceptionConfig config;
   config.trunks.enabled = false;
   EXPECT_TRUE(Perception(config).detect(AnalyticLaser().trunk(6.0, 0.0, 0.4).halfTurn()).empty());
+}
+
+TEST(Perception, GivesUsableObservationsForAnyScan) {
+  PerceptionConfig config;
+  config.reflectors.enabled = true;
+  config.trunks.min_beams = 1;
+  const Perception perception(config);
+  RandomGenerator random(3);
+  const std::array<float, 6> special = {kInf, -kInf, kNan, -2.0F, 0.0F, 80.0F};
+  std::size_t count = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const int beams = 1 + static_cast<int>(sampleUniform(random, 0.0, 60.0));
+    const double spacing = sampleUniform(random, -1.0, 1.0) * 2.0 * kPi / beams;
+    LaserScan scan = AnalyticLaser().scan(sampleUniform(random, -4.0, 4.0), spacing, beams);
+    double range_m = sampleUniform(random, 0.01, 50.0);
+    for (float& range : scan.ranges_m) {
+      if (sampleUniform(random, 0.0, 1.0) < 0.3) range_m = sampleUniform(random, 0.01, 50.0);
+      const auto pick = static_cast<std::size_t>(sampleUniform(random, 0.0, 20.0));
+      range = pick < special.size() ? special[pick] : static_cast<float>(range_m);
+      scan.intensities.push_back(pick == 19 ? 9000.0F : 0.0F);
+    }
+    ASSERT_EQ(scanProblem(scan), std::nullopt);
+    double last_bearing = -kPi;
+    for (const Observation& seen : perception.detect(scan)) {
+      ++count;
+      EXPECT_GT(seen.range_m, 0.0);
+      EXPECT_LE(seen.range_m, 40.5);
+      EXPECT_GE(seen.bearing_rad, last_bearing);
+      EXPECT_LE(seen.bearing_rad, kPi);
+      last_bearing = seen.bearing_rad;
+      EXPECT_TRUE(isCovariance(seen.covariance)) << seen.covariance;
+      if (seen.type == LandmarkType::kTrunk) {
+        EXPECT_GT(seen.diameter_m, 0.0);
+        EXPECT_GT(seen.diameter_variance, 0.0);
+      }
+    }
+  }
+  EXPECT_GT(count, 1000U);
 }
 
 TEST(Perception, RefusesUnusableConfigurationAndListsAllProblems) {
