@@ -77,8 +77,9 @@ void SimulatedDetectorConfig::describe(ConfigSchema& schema) {
   schema.number("field_of_view_rad", field_of_view_rad, Range{0.0, 6.2832, true},
                 "centred on the sensor's x axis");
   schema.number("range_max_m", range_max_m, Range::positive(), "to a landmark's centre");
-  schema.number("range_deviation_m", range_deviation_m, Range::positive(), "");
-  schema.number("bearing_deviation_rad", bearing_deviation_rad, Range::positive(), "");
+  schema.number("range_deviation_m", range_deviation_m, Range::positive(), "of a range, white");
+  schema.number("bearing_deviation_rad", bearing_deviation_rad, Range::positive(),
+                "of a bearing, white");
   schema.number("diameter_deviation_m", diameter_deviation_m, Range::notNegative(),
                 "0: diameters are not told");
   schema.number("detection_probability", detection_probability, Range::between(0.0, 1.0),
