@@ -11,7 +11,7 @@ def position_rmse_m(folder, bag):
     """Of the live trajectory against the simulator's truth in the bag."""
     command = ["rosrun", "hymm", "hymm_evaluate", "--results", folder, "--bag", bag]
     result = subprocess.run(command, check=True, capture_output=True, text=True)
-    return json.loads(result.stdout)["position_rmse_m"]
+    return json.loads(result.stdout)["trajectory"]["rmse_m"]
 
 
 def main():
