@@ -1,0 +1,228 @@
+#include "cekf/cekf_slam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "simulation/simulation.h"
+
+namespace hymm::core {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+VehicleConfig simulatedVehicle() {
+  VehicleConfig vehicle;
+  vehicle.ackermann.encoder_offset_left_m = 0.76;
+  vehicle.laser = {3.78, 0.5, 0.0};
+  return vehicle;
+}
+
+/// A stationary robot whose own detector sees three landmarks.
+ObservationSet threeLandmarks(double time_s) {
+  ObservationSet set;
+  set.time_s = time_s;
+  const double places[3][2] = {{8.0, 0.4}, {12.0, -0.5}, {6.0, 1.2}};
+  for (const auto& place : places) {
+    Observation observation;
+    observation.range_m = place[0];
+    observation.bearing_rad = place[1];
+    observation.covariance = Eigen::Vector2d(1e-3, 1e-5).asDiagonal();
+    set.observations.push_back(observation);
+  }
+  return set;
+}
+
+CekfSlam stationarySlam(int sets) {
+  CekfSlam slam(CekfSlamConfig{}, VehicleConfig{});
+  for (int i = 0; i < sets; ++i) {
+    slam.process(MotionInput{TwistInput{0.1 * i, 0.0, 0.0, 0.0}});
+    slam.process(threeLandmarks(0.1 * i + 0.05));
+  }
+  return slam;
+}
+
+TEST(CekfSlam, BringsLandmarksIntoTheStateAfterEnoughSightings) {
+  EXPECT_EQ(stationarySlam(2).landmarkCount(), 0U);
+  EXPECT_EQ(stationarySlam(3).landmarkCount(), 3U);
+  const LandmarkMap map = stationarySlam(10).landmarkMap(30.0);
+  ASSERT_EQ(map.landmarks.size(), 3U);
+  EXPECT_NEAR(map.landmarks[0].position.x(), 8.0 * std::cos(0.4), 1e-9);
+  EXPECT_EQ(map.landmarks[0].observations, 8);  // the promoting one and seven updates
+  EXPECT_EQ(map.cross_covariances.size(), 3U);
+}
+
+TEST(CekfSlam, TellsWhatChangedSinceAVersion) {
+  CekfSlam slam = stationarySlam(5);
+  const std::uint64_t version = slam.mapVersion();
+  EXPECT_TRUE(slam.updateSince(version).changed.empty());
+  slam.process(threeLandmarks(10.0));
+  const LandmarkUpdate update = slam.updateSince(version);
+  EXPECT_EQ(update.version, slam.mapVersion());
+  EXPECT_EQ(update.changed.size(), 3U);
+  slam.reset();
+  EXPECT_EQ(slam.updateSince(update.version).removed_ids.size(), 3U);
+  EXPECT_EQ(slam.landmarkCount(), 0U);
+}
+
+TEST(CekfSlam, RefusesSetsThatAreNotLater) {
+  CekfSlam slam = stationarySlam(3);
+  const auto outcome = slam.process(threeLandmarks(0.1));
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_FALSE(outcome->accepted);
+  EXPECT_NE(outcome->reason.find("not later"), std::string::npos);
+  EXPECT_EQ(slam.counts().refused_scans, 1U);
+}
+
+TEST(CekfSlam, RefusesUnusableObservationsAndGoesOn) {
+  CekfSlam slam = stationarySlam(4);
+  ObservationSet set = threeLandmarks(5.0);
+  set.observations[0].range_m = kNan;
+  set.observations[1].covariance = Eigen::Matrix2d::Zero();
+  const auto outcome = slam.process(set);
+  ASSERT_TRUE(outcome && outcome->accepted);
+  EXPECT_EQ(slam.counts().refused_observations, 2U);
+  EXPECT_EQ(outcome->observations.observations.size(), 1U);
+  EXPECT_TRUE(slam.pose().covariance.allFinite());
+}
+
+TEST(CekfSlam, RefusesMotionThatIsNotFiniteOrNotLater) {
+  CekfSlam slam = stationarySlam(3);
+  slam.process(MotionInput{TwistInput{kNan, 0.0, 0.0, 0.0}});
+  slam.process(MotionInput{TwistInput{9.0, kNan, 0.0, 0.0}});
+  slam.process(MotionInput{TwistInput{0.1, 0.0, 0.0, 0.0}});
+  EXPECT_EQ(slam.counts().refused_motion, 3U);
+}
+
+TEST(CekfSlam, GrowsUncertainOverAGapOfOdometry) {
+  CekfSlam slam(CekfSlamConfig{}, VehicleConfig{});
+  slam.process(MotionInput{TwistInput{0.0, 2.0, 0.0, 0.0}});
+  slam.process(MotionInput{TwistInput{0.1, 2.0, 0.0, 0.0}});
+  ObservationSet empty;
+  empty.time_s = 0.2;
+  const double before = slam.process(empty)->health.position_deviation_m;
+  empty.time_s = 5.2;
+  const double after = slam.process(empty)->health.position_deviation_m;
+  EXPECT_GT(after, before + 1.0);
+  EXPECT_EQ(slam.counts().motion_gaps, 1U);
+}
+
+TEST(CekfSlam, StartsAnewAfterAClockReset) {
+  CekfSlam slam = stationarySlam(5);
+  slam.process(ClockReset{0.0});
+  EXPECT_EQ(slam.landmarkCount(), 0U);
+  EXPECT_EQ(slam.counts().resets, 1U);
+  EXPECT_TRUE(slam.process(threeLandmarks(0.05))->accepted);
+}
+
+TEST(CekfSlam, KeepsItsStateWhenTheVehicleTeleports) {
+  CekfSlam slam = stationarySlam(10);
+  ObservationSet elsewhere = threeLandmarks(2.0);
+  for (Observation& observation : elsewhere.observations) observation.bearing_rad += 2.5;
+  const auto outcome = slam.process(elsewhere);
+  ASSERT_TRUE(outcome && outcome->accepted);
+  EXPECT_EQ(outcome->health.dof, 0);
+  EXPECT_EQ(outcome->health.unexplained, 1.0);
+  EXPECT_TRUE(slam.pose().covariance.allFinite());
+}
+
+TEST(CekfSlam, FollowsIdentitiesThroughLargeErrors) {
+  CekfSlam slam(CekfSlamConfig{}, VehicleConfig{});
+  ObservationSet set = threeLandmarks(0.1);
+  for (int i = 0; i < 3; ++i) set.observations[static_cast<std::size_t>(i)].identity = 10 + i;
+  slam.process(MotionInput{TwistInput{0.0, 0.0, 0.0, 0.0}});
+  EXPECT_EQ(slam.process(set)->associations[0].landmark_id, 0);
+  // Five seconds without odometry: the vehicle may be anywhere, and has moved a metre.
+  set.time_s = 6.0;
+  for (Observation& observation : set.observations) observation.range_m -= 0.3;
+  const auto outcome = slam.process(set);
+  EXPECT_EQ(outcome->health.dof, 6);
+  EXPECT_EQ(slam.landmarkCount(), 3U);
+}
+
+/// Scans of a simulated world through the filter; position error against truth.
+class SimulatedRun {
+ public:
+  SimulatedRun(const std::string& world, unsigned seed, bool gps) {
+    SimulationConfig simulation_config;
+    simulation_config.world.name = world;
+    simulation_config.drive.duration_s = 90.0;
+    VehicleConfig vehicle = simulatedVehicle();
+    Simulation simulation(simulation_config, vehicle, seed);
+    CekfSlamConfig config;
+    config.gps.enabled = gps;
+    config.perception.trunks.enabled = world != "car_park";
+    config.perception.reflectors.enabled = world == "car_park";
+    CekfSlam slam(config, vehicle);
+    while (const auto simulated = simulation.next()) {
+      const auto outcome = slam.process(simulated->event);
+      if (!outcome || !outcome->accepted) continue;
+      worst_error_m =
+          std::max(worst_error_m,
+                   (outcome->pose.T_map_base.position() - simulated->T_map_base.position()).norm());
+      poses.push_back(outcome->pose.T_map_base.vector());
+    }
+    landmarks = slam.landmarkCount();
+    gps_used = slam.counts().gps_used;
+  }
+
+  double worst_error_m = 0.0;
+  std::size_t landmarks = 0;
+  std::size_t gps_used = 0;
+  std::vector<Eigen::Vector3d> poses;
+};
+
+TEST(CekfSlam, TracksASimulatedPark) {
+  const SimulatedRun run("park", 3, false);
+  EXPECT_LT(run.worst_error_m, 1.0);
+  EXPECT_GT(run.landmarks, 30U);
+  EXPECT_GT(run.poses.size(), 400U);
+}
+
+TEST(CekfSlam, TracksASimulatedCarParkByReflectors) {
+  const SimulatedRun run("car_park", 3, false);
+  EXPECT_LT(run.worst_error_m, 1.0);
+  EXPECT_GT(run.landmarks, 20U);
+}
+
+TEST(CekfSlam, FusesGpsOnceAligned) {
+  const SimulatedRun run("park", 4, true);
+  EXPECT_GT(run.gps_used, 10U);
+  EXPECT_LT(run.worst_error_m, 1.0);
+}
+
+TEST(CekfSlam, RepeatsItself) {
+  const SimulatedRun first("park", 5, false), second("park", 5, false);
+  EXPECT_EQ(first.poses, second.poses);
+}
+
+TEST(CekfSlamConfig, IsDocumentedByItsShippedFile) {
+  const char* source = std::getenv("HYMM_SOURCE_DIR");
+  ASSERT_NE(source, nullptr);
+  const YAML::Node file = YAML::LoadFile(std::string(source) + "/config/cekf_slam.yaml");
+  CekfSlamConfig defaults;
+  ConfigSchema schema;
+  defaults.describe(schema);
+  for (const auto& entry : schema.entries()) {
+    YAML::Node node = YAML::Clone(file["cekf_slam"]);
+    std::string rest = entry.path;
+    while (node && !rest.empty()) {
+      const std::size_t dot = rest.find('.');
+      node = YAML::Clone(node[rest.substr(0, dot)]);
+      rest = dot == std::string::npos ? "" : rest.substr(dot + 1);
+    }
+    ASSERT_TRUE(node && node.IsScalar()) << entry.path << " is missing";
+    std::visit(
+        [&](const auto* value) {
+          EXPECT_EQ(node.as<std::decay_t<decltype(*value)>>(), *value) << entry.path;
+        },
+        entry.value);
+  }
+}
+
+}  // namespace
+}  // namespace hymm::core
