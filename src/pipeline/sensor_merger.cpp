@@ -33,7 +33,11 @@ SensorMerger::SensorMerger(const SensorMergerConfig& config) : config_(config) {
 void SensorMerger::push(SensorEvent event, double now_s) {
   const double time_s = timeOf(event);
   Pending pending{std::move(event), time_s, now_s};
-  if (time_s < newest_s_ - config_.clock_jump_s) {
+  // Compared within its kind: live, one topic may come later than another by seconds of a fast
+  // playback, but each is in order.
+  const bool is_motion = std::holds_alternative<MotionInput>(pending.event);
+  const double newest_s = is_motion ? newest_motion_s_ : newest_s_;
+  if (time_s < newest_s - config_.clock_jump_s) {
     suspects_.push_back(std::move(pending));
     if (suspects_.size() >= static_cast<std::size_t>(config_.clock_jump_events)) acceptClockJump();
     return;
@@ -48,11 +52,11 @@ void SensorMerger::accept(Pending pending) {
     ++counts_.out_of_order;
     return;
   }
-  newest_s_ = std::max(newest_s_, pending.time_s);
   if (std::holds_alternative<MotionInput>(pending.event)) {
     newest_motion_s_ = std::max(newest_motion_s_, pending.time_s);
     insertByTime(motion_, std::move(pending));
   } else {
+    newest_s_ = std::max(newest_s_, pending.time_s);
     insertByTime(measurements_, std::move(pending));
   }
 }
