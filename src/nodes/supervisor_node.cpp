@@ -22,14 +22,19 @@ SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
       map_odom_(tf_, vehicle, config.transform_wait_s),
       watch_(handle_, vehicle.odom_frame),
       trajectory_(vehicle.map_frame, config.trajectory_spacing_m,
-                  static_cast<std::size_t>(config.trajectory_max_poses)) {
+                  static_cast<std::size_t>(config.trajectory_max_poses)),
+      dead_reckoning_(vehicle.map_frame, config.trajectory_spacing_m,
+                      static_cast<std::size_t>(config.trajectory_max_poses)) {
   pose_publisher_ = handle_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", kQueue);
   status_publisher_ = handle_.advertise<FilterStatus>("filter_status", 100, kLatched);
   trajectory_publisher_ = handle_.advertise<nav_msgs::Path>("trajectory", 2, kLatched);
+  dead_reckoning_publisher_ = handle_.advertise<nav_msgs::Path>("dead_reckoning_path", 2, kLatched);
   const auto hints = ros::TransportHints().tcpNoDelay();
   pose_subscriber_ = handle_.subscribe("cekf/pose", kQueue, &SupervisorNode::takePose, this, hints);
   health_subscriber_ =
       handle_.subscribe("cekf/health", kQueue, &SupervisorNode::takeHealth, this, hints);
+  odometry_subscriber_ =
+      handle_.subscribe("odom", kQueue, &SupervisorNode::takeOdometry, this, hints);
   initial_pose_subscriber_ =
       handle_.subscribe("initialpose", 10, &SupervisorNode::takeInitialPose, this);
   diagnostics_.setHardwareID("none");
@@ -65,6 +70,12 @@ void SupervisorNode::takeHealth(const FilterHealth& message) {
   evidence_.missed = message.missed;
 }
 
+void SupervisorNode::takeOdometry(const nav_msgs::Odometry& message) {
+  const core::Pose2 T_odom_base = fromMessage(message.pose.pose);
+  if (!T_odom_first_) T_odom_first_ = T_odom_base;
+  dead_reckoning_.add(message.header.stamp, core::inverse(*T_odom_first_) * T_odom_base);
+}
+
 void SupervisorNode::takeInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   ++initial_poses_refused_;
   core::SupervisorDecision told = decision_;
@@ -83,6 +94,7 @@ void SupervisorNode::tick() {
   const bool due = now_s - trajectory_sent_s_ >= 1.0 / config_.trajectory_rate_hz;
   if (due && trajectory_.message().poses.size() != trajectory_sent_poses_) {
     trajectory_publisher_.publish(trajectory_.message());
+    dead_reckoning_publisher_.publish(dead_reckoning_.message());
     trajectory_sent_s_ = now_s;
     trajectory_sent_poses_ = trajectory_.message().poses.size();
   }
@@ -121,6 +133,8 @@ void SupervisorNode::beginAnew() {
   tf_.clear();
   map_odom_.reset();
   trajectory_.clear();
+  dead_reckoning_.clear();
+  T_odom_first_.reset();
   trajectory_sent_poses_ = 0;
 }
 

@@ -6,6 +6,7 @@
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <hymm/FilterHealth.h>
 #include <hymm/FilterPose.h>
+#include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
@@ -26,6 +27,7 @@ class SupervisorNode {
  private:
   void takePose(const FilterPose& message);
   void takeHealth(const FilterHealth& message);
+  void takeOdometry(const nav_msgs::Odometry& message);
   void takeInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   void tick();
   void decide();
@@ -50,8 +52,12 @@ class SupervisorNode {
   MapOdomBroadcaster map_odom_;
   TransformWatch watch_;
   TrajectoryPath trajectory_;
-  ros::Publisher pose_publisher_, status_publisher_, trajectory_publisher_;
-  ros::Subscriber pose_subscriber_, health_subscriber_, initial_pose_subscriber_;
+  TrajectoryPath dead_reckoning_;  ///< odometry alone, from the map's origin, to compare with
+  std::optional<core::Pose2> T_odom_first_;
+  ros::Publisher pose_publisher_, status_publisher_, trajectory_publisher_,
+      dead_reckoning_publisher_;
+  ros::Subscriber pose_subscriber_, health_subscriber_, odometry_subscriber_,
+      initial_pose_subscriber_;
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer timer_, diagnostics_timer_;
 };

@@ -1,0 +1,62 @@
+#include "ros/landmark_mirror.h"
+
+#include <gtest/gtest.h>
+
+namespace hymm {
+namespace {
+
+core::LandmarkEstimate landmarkAt(int id, double x_m) {
+  core::LandmarkEstimate landmark;
+  landmark.id = id;
+  landmark.position = {x_m, 0.0};
+  return landmark;
+}
+
+class LandmarkMirrorTest : public ::testing::Test {
+ protected:
+  LandmarkMirrorTest() {
+    core::LandmarkMap map;
+    map.version = 10;
+    map.landmarks = {landmarkAt(1, 1.0), landmarkAt(4, 4.0)};
+    mirror_.take(map);
+  }
+  LandmarkMirror mirror_;
+};
+
+TEST_F(LandmarkMirrorTest, AppliesWhatMovedCameAndWent) {
+  core::LandmarkUpdate update;
+  update.since_version = 10;
+  update.version = 12;
+  update.changed = {landmarkAt(2, 2.0), landmarkAt(4, 4.5)};
+  update.removed_ids = {1};
+  EXPECT_TRUE(mirror_.take(update));
+  ASSERT_EQ(mirror_.map().landmarks.size(), 2U);
+  EXPECT_EQ(mirror_.map().landmarks[0].id, 2);
+  EXPECT_EQ(mirror_.map().landmarks[1].position.x(), 4.5);
+  EXPECT_EQ(mirror_.map().version, 12U);
+}
+
+TEST_F(LandmarkMirrorTest, TellsThatChangesAreMissing) {
+  core::LandmarkUpdate update;
+  update.since_version = 11;
+  update.version = 12;
+  update.removed_ids = {1};
+  EXPECT_FALSE(mirror_.take(update));
+  EXPECT_EQ(mirror_.map().landmarks.size(), 2U);
+}
+
+TEST_F(LandmarkMirrorTest, IgnoresAMapThatAnUpdateHasOvertaken) {
+  core::LandmarkUpdate update;
+  update.since_version = 10;
+  update.version = 12;
+  update.removed_ids = {1, 4};
+  ASSERT_TRUE(mirror_.take(update));
+  core::LandmarkMap old;
+  old.version = 11;
+  old.landmarks = {landmarkAt(1, 1.0)};
+  mirror_.take(old);
+  EXPECT_TRUE(mirror_.map().landmarks.empty());
+}
+
+}  // namespace
+}  // namespace hymm
