@@ -19,6 +19,8 @@ function(hymm_add_executable name)
   add_executable(${name} ${ARGN})
   target_link_libraries(${name} PRIVATE hymm_ros)
   hymm_own_code(${name})
+  # Installed programs find the libraries without the help of the environment.
+  set_target_properties(${name} PROPERTIES INSTALL_RPATH "$ORIGIN/..")
   install(TARGETS ${name} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endfunction()
 
