@@ -127,8 +127,7 @@ void run(const Arguments& arguments) {
   try {
     writeBag(recording, vehicle, arguments);
   } catch (const rosbag::BagException& error) {
-    throw core::InputError(arguments.output.string() + " cannot be written (" + error.what() +
-                           "); check that the disk has room and the folder can be written to.");
+    throw writingFailed(arguments.output, error);
   }
   printSummary(recording, arguments);
 }

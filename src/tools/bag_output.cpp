@@ -24,4 +24,10 @@ void BagOutput::complete() {
   file_.complete();
 }
 
+core::InputError writingFailed(const std::filesystem::path& target,
+                               const rosbag::BagException& error) {
+  return core::InputError(target.string() + " cannot be written (" + error.what() +
+                          "); check that the disk has room and the folder can be written to.");
+}
+
 }  // namespace hymm

@@ -5,6 +5,7 @@
 
 #include <rosbag/bag.h>
 
+#include "common/error.h"
 #include "common/unfinished_file.h"
 
 namespace hymm {
@@ -28,5 +29,9 @@ class BagOutput {
   core::UnfinishedFile file_;
   std::unique_ptr<rosbag::Bag, CloseAndDelete> bag_;
 };
+
+/// What to tell when writing to the bag failed.
+core::InputError writingFailed(const std::filesystem::path& target,
+                               const rosbag::BagException& error);
 
 }  // namespace hymm

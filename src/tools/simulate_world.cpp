@@ -12,9 +12,9 @@
 #include "common/config.h"
 #include "common/error.h"
 #include "common/progress_bar.h"
-#include "common/unfinished_file.h"
 #include "simulation/simulation.h"
 #include "simulation/world_catalog.h"
+#include "tools/bag_output.h"
 #include "tools/simulation_bag_writer.h"
 
 namespace hymm {
@@ -162,25 +162,20 @@ Counts writeEvents(core::Simulation& simulation, SimulationBagWriter& writer) {
 }
 
 Counts writeBag(core::Simulation& simulation, const core::SimulationConfig& config,
-                const core::VehicleConfig& vehicle, const Arguments& arguments) {
-  core::UnfinishedFile file(arguments.output);
-  Counts counts;
-  {
-    rosbag::Bag bag(file.path().string(), rosbag::bagmode::Write);
-    bag.setCompression(compressionOf(arguments.compression));
-    SimulationBagWriter writer(bag, config, vehicle);
-    const double start_s = core::Simulation::kStartTime_s;
-    writer.writeMountings(start_s);
-    if (config.gps.enabled) writer.writeGpsOrigin(start_s);
-    writer.writeLandmarks(simulation.landmarks(), start_s);
-    writer.writeOccupancy(simulation.occupancy(arguments.map_resolution_m), start_s);
-    counts = writeEvents(simulation, writer);
-    bag.close();
-  }
-  // A full disk shows only now: a bag whose end is missing cannot be opened.
-  rosbag::Bag(file.path().string(), rosbag::bagmode::Read).close();
-  file.complete();
+                const core::VehicleConfig& vehicle, const Arguments& arguments) try {
+  BagOutput output(arguments.output);
+  output.bag().setCompression(compressionOf(arguments.compression));
+  SimulationBagWriter writer(output.bag(), config, vehicle);
+  const double start_s = core::Simulation::kStartTime_s;
+  writer.writeMountings(start_s);
+  if (config.gps.enabled) writer.writeGpsOrigin(start_s);
+  writer.writeLandmarks(simulation.landmarks(), start_s);
+  writer.writeOccupancy(simulation.occupancy(arguments.map_resolution_m), start_s);
+  const Counts counts = writeEvents(simulation, writer);
+  output.complete();
   return counts;
+} catch (const rosbag::BagException& error) {
+  throw writingFailed(arguments.output, error);
 }
 
 void run(const Arguments& arguments) {
