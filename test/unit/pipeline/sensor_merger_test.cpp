@@ -1,0 +1,119 @@
+#include "pipeline/sensor_merger.h"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hymm::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+SensorEvent motion(double time_s) { return MotionInput{TwistInput{time_s, 1.0, 0.0, 0.0}}; }
+
+SensorEvent detections(double time_s) {
+  ObservationSet set;
+  set.time_s = time_s;
+  return set;
+}
+
+/// Times of events: positive for motion, negative for measurements, 1e6 for a clock reset.
+std::vector<double> signature(const std::vector<SensorEvent>& events) {
+  std::vector<double> times;
+  for (const SensorEvent& event : events) {
+    if (std::holds_alternative<ClockReset>(event)) {
+      times.push_back(1e6);
+    } else {
+      times.push_back(std::holds_alternative<MotionInput>(event) ? timeOf(event) : -timeOf(event));
+    }
+  }
+  return times;
+}
+
+TEST(SensorMerger, HoldsAScanUntilMotionPastItsStampHasCome) {
+  SensorMerger merger({});
+  merger.push(motion(1.0));
+  merger.push(detections(1.05));
+  EXPECT_THAT(signature(merger.popReady()), IsEmpty());
+  merger.push(motion(1.1));
+  EXPECT_THAT(signature(merger.popReady()), ElementsAre(1.0, -1.05));
+}
+
+TEST(SensorMerger, SortsByStampWhateverTheOrderOfArrival) {
+  SensorMerger merger({});
+  for (const double t : {1.2, 1.0, 1.1}) merger.push(motion(t));
+  merger.push(detections(1.15));
+  merger.push(detections(1.05));
+  EXPECT_THAT(signature(merger.popReady()), ElementsAre(1.0, -1.05, 1.1, -1.15));
+}
+
+TEST(SensorMerger, ReleasesAScanWithoutMotionAfterItsWait) {
+  SensorMerger merger({});
+  merger.push(motion(1.0), 10.0);
+  merger.push(detections(1.05), 10.0);
+  EXPECT_THAT(signature(merger.popReady(10.09)), IsEmpty());
+  EXPECT_THAT(signature(merger.popReady(10.11)), ElementsAre(1.0, -1.05));
+  EXPECT_EQ(merger.counts().without_motion, 1U);
+}
+
+TEST(SensorMerger, DropsAndCountsWhatComesTooLate) {
+  SensorMerger merger({});
+  merger.push(motion(1.0));
+  merger.push(detections(1.05));
+  merger.push(motion(1.1));
+  EXPECT_EQ(merger.popReady().size(), 2U);
+  merger.push(detections(1.01));
+  merger.push(motion(1.02));
+  EXPECT_THAT(signature(merger.popReady(kForever)), IsEmpty());
+  EXPECT_EQ(merger.counts().out_of_order, 2U);
+}
+
+TEST(SensorMerger, TakesARunOfOldEventsForANewRecording) {
+  SensorMerger merger({});
+  merger.push(motion(100.0));
+  merger.push(detections(100.1));
+  for (const double t : {1.0, 1.1, 1.2}) merger.push(motion(t));
+  merger.push(detections(1.15));
+  EXPECT_THAT(signature(merger.popReady()), ElementsAre(100.0, -100.1, 1e6, 1.0, 1.1, -1.15));
+  EXPECT_EQ(merger.counts().clock_resets, 1U);
+}
+
+TEST(SensorMerger, DoesNotTakeStrayOldEventsForANewRecording) {
+  SensorMerger merger({});
+  merger.push(motion(100.0));
+  for (int i = 0; i < 10; ++i) {
+    merger.push(detections(50.0 + i));
+    merger.push(motion(100.1 + 0.1 * i));
+  }
+  EXPECT_THAT(signature(merger.popReady()), IsEmpty());
+  EXPECT_EQ(merger.counts().clock_resets, 0U);
+  EXPECT_EQ(merger.counts().out_of_order, 10U);
+}
+
+TEST(SensorMerger, EmptiesItselfAtTheEnd) {
+  SensorMerger merger({});
+  merger.push(motion(1.0));
+  merger.push(detections(2.0));
+  merger.push(motion(1.5));
+  EXPECT_THAT(signature(merger.flush()), ElementsAre(1.0, 1.5, -2.0));
+  EXPECT_THAT(signature(merger.flush()), IsEmpty());
+}
+
+TEST(SensorMerger, KeepsMemoryBoundedWithoutMeasurements) {
+  SensorMerger merger({});
+  std::size_t released = 0;
+  for (int i = 0; i < 10000; ++i) {
+    merger.push(motion(0.025 * i));
+    released += merger.popReady().size();
+  }
+  EXPECT_GT(released, 5000U);
+  merger.push(detections(0.025 * 9999.0));
+  EXPECT_EQ(released + merger.popReady().size(), 10001U);
+}
+
+}  // namespace
+}  // namespace hymm::core
