@@ -6,7 +6,7 @@ int main(int argc, char** argv) {
   return hymm::runNode(argc, argv, "dead_reckoning", [] {
     const ros::NodeHandle private_handle("~");
     hymm::core::ConfigReport report;
-    hymm::DeadReckoningNodeConfig config;
+    hymm::core::DeadReckoningConfig config;
     hymm::readParameters(private_handle, config, report);
     const hymm::VehicleParameters vehicle = hymm::readVehicle(private_handle, report);
     hymm::tellOrThrow(report);

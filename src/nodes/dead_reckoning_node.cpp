@@ -12,16 +12,7 @@ constexpr double kOldInput_s = 2.0;
 
 }  // namespace
 
-void DeadReckoningNodeConfig::describe(core::ConfigSchema& schema) {
-  schema.flag("publish_tf", publish_tf,
-              "broadcast odom -> base_link; false where the robot or the bag does");
-  schema.number("clock_jump_s", clock_jump_s, core::Range::positive(),
-                "messages older than the newest by more than this may be of a new recording");
-  schema.integer("clock_jump_messages", clock_jump_messages, core::Range::between(1, 1000),
-                 "how many such messages in a row make it a new recording");
-}
-
-DeadReckoningNode::DeadReckoningNode(const DeadReckoningNodeConfig& config,
+DeadReckoningNode::DeadReckoningNode(const core::DeadReckoningConfig& config,
                                      const core::VehicleConfig& vehicle)
     : config_(config), vehicle_(vehicle), dead_reckoning_(vehicle), last_wall_s_(steadyNow()) {
   publisher_ = handle_.advertise<nav_msgs::Odometry>("odom", kQueue);

@@ -9,22 +9,14 @@
 #include "common/config.h"
 #include "ros/cause_log.h"
 #include "vehicle/dead_reckoning.h"
+#include "vehicle/dead_reckoning_config.h"
 
 namespace hymm {
-
-/// Parameters of the node `dead_reckoning`, as config/dead_reckoning.yaml documents them.
-struct DeadReckoningNodeConfig {
-  bool publish_tf = true;
-  double clock_jump_s = 1.0;
-  int clock_jump_messages = 3;
-
-  void describe(core::ConfigSchema& schema);
-};
 
 /// The node `dead_reckoning`: integrates speed and steering into `odom` and tf odom -> base_link.
 class DeadReckoningNode {
  public:
-  DeadReckoningNode(const DeadReckoningNodeConfig& config, const core::VehicleConfig& vehicle);
+  DeadReckoningNode(const core::DeadReckoningConfig& config, const core::VehicleConfig& vehicle);
 
  private:
   void take(const DeadReckoning& message);
@@ -32,7 +24,7 @@ class DeadReckoningNode {
   void publish(const ros::Time& stamp);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
-  DeadReckoningNodeConfig config_;
+  core::DeadReckoningConfig config_;
   core::VehicleConfig vehicle_;
   core::DeadReckoning dead_reckoning_;
   CauseLog causes_;

@@ -77,6 +77,8 @@ void loadVehicle(const fs::path& file, SuiteConfig& config, ConfigReport& report
 void SuiteConfig::describe(ConfigSchema& schema) {
   schema.group("vehicle", vehicle);
   schema.group("cekf_slam", cekf_slam);
+  schema.group("dead_reckoning", dead_reckoning);
+  schema.group("supervisor", supervisor);
 }
 
 SuiteConfig loadSuiteConfig(const std::vector<std::string>& files, ConfigReport& report,

@@ -6,6 +6,8 @@
 
 #include "cekf/cekf_slam_config.h"
 #include "common/config.h"
+#include "supervisor/supervisor_decision.h"
+#include "vehicle/dead_reckoning_config.h"
 #include "vehicle/vehicle_config.h"
 
 namespace hymm::core {
@@ -15,6 +17,8 @@ namespace hymm::core {
 struct SuiteConfig {
   VehicleConfig vehicle;
   CekfSlamConfig cekf_slam;
+  DeadReckoningConfig dead_reckoning;
+  SupervisorConfig supervisor;
   bool vehicle_tells_laser = false;  ///< whether a file said where the laser stands
 
   void describe(ConfigSchema& schema);

@@ -85,6 +85,8 @@ TEST(SensorMerger, TakesARunOfOldEventsForANewRecording) {
 TEST(SensorMerger, DoesNotTakeStrayOldEventsForANewRecording) {
   SensorMerger merger({});
   merger.push(motion(100.0));
+  merger.push(detections(100.0));
+  EXPECT_THAT(signature(merger.popReady()), ElementsAre(100.0, -100.0));
   for (int i = 0; i < 10; ++i) {
     merger.push(detections(50.0 + i));
     merger.push(motion(100.1 + 0.1 * i));
@@ -92,6 +94,20 @@ TEST(SensorMerger, DoesNotTakeStrayOldEventsForANewRecording) {
   EXPECT_THAT(signature(merger.popReady()), IsEmpty());
   EXPECT_EQ(merger.counts().clock_resets, 0U);
   EXPECT_EQ(merger.counts().out_of_order, 10U);
+}
+
+TEST(SensorMerger, DoesNotTakeALateTopicForANewRecording) {
+  SensorMerger merger({});
+  for (int i = 0; i < 100; ++i) merger.push(motion(1.0 + 0.1 * i));
+  std::size_t scans = 0;
+  for (int i = 0; i < 20; ++i) {
+    merger.push(detections(1.05 + 0.2 * i));
+    for (const SensorEvent& event : merger.popReady()) {
+      scans += std::holds_alternative<ObservationSet>(event) ? 1U : 0U;
+    }
+  }
+  EXPECT_EQ(scans, 20U);
+  EXPECT_EQ(merger.counts().clock_resets, 0U);
 }
 
 TEST(SensorMerger, EmptiesItselfAtTheEnd) {
