@@ -43,6 +43,9 @@ void LandmarkConfig::describe(ConfigSchema& schema) {
                  "scans that must see an object before it becomes a landmark");
   schema.integer("promote_within_scans", promote_within_scans, Range::between(1, 1000),
                  "number of scans in which they must happen");
+  schema.number("promote_span_s", promote_span_s, Range::notNegative(),
+                "least time between the first and the last of them, at one place: by then, what "
+                "walks or drives has moved on");
   schema.integer("confirm_observations", confirm_observations, Range::between(0, 1000),
                  "a landmark with fewer is dropped when the vehicle has left it behind");
   schema.number("unconfirmed_life_s", unconfirmed_life_s, Range::notNegative(),

@@ -49,7 +49,7 @@ LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config)
       hit_log_odds_(std::log(config.detection_probability / config.false_detection_probability)),
       miss_log_odds_(std::log((1.0 - config.detection_probability) /
                               (1.0 - config.false_detection_probability))),
-      tentative_({config.promote_sightings, config.promote_within_scans}) {}
+      tentative_({config.promote_sightings, config.promote_within_scans, config.promote_span_s}) {}
 
 void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation& association) {
   ++scan_number_;
@@ -86,6 +86,8 @@ std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set, const Sens
                                            const ScanAssociation& association,
                                            CompressedEkf& filter) {
   std::vector<int> created(set.observations.size(), ScanAssociation::kNone);
+  // The first landmarks fix the map: each second without them is drift that stays.
+  const bool at_once = registry_.size() == 0;
   for (std::size_t i = 0; i < set.observations.size(); ++i) {
     if (association.slots[i] != ScanAssociation::kNone || association.claimed[i] ||
         association.ignored[i]) {
@@ -99,7 +101,8 @@ std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set, const Sens
       if (!isFarFromOthers(located.position)) continue;
       const Matrix2d covariance =
           located.G_measurement * observation.covariance * located.G_measurement.transpose();
-      if (!tentative_.observe(located.position, covariance, observation.type, scan_number_)) {
+      if (!tentative_.observe(located.position, covariance, observation.type, scan_number_,
+                              set.time_s, at_once)) {
         continue;
       }
     }

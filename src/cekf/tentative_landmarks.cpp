@@ -8,25 +8,29 @@ namespace hymm::core {
 TentativeLandmarks::TentativeLandmarks(const TentativeConfig& config) : config_(config) {}
 
 bool TentativeLandmarks::observe(const Eigen::Vector2d& position, const Eigen::Matrix2d& covariance,
-                                 LandmarkType type, long scan) {
+                                 LandmarkType type, long scan, double time_s, bool at_once) {
   const double radius_m = config_.gate_m + 3.0 * std::sqrt(covariance.diagonal().maxCoeff());
   Candidate* candidate = nearest(position, radius_m, type, scan);
   if (candidate == nullptr) {
-    candidates_.push_back({position, type, {}});
+    candidates_.push_back({type, {}});
     candidate = &candidates_.back();
   }
-  candidate->position = position;
-  candidate->scans.push_back(scan);
-  const auto recent = std::count_if(candidate->scans.begin(), candidate->scans.end(),
-                                    [&](long s) { return s > scan - config_.within_scans; });
-  if (recent < config_.sightings) return false;
+  std::vector<Sighting>& sightings = candidate->sightings;
+  sightings.push_back({position, scan, time_s});
+  const auto recent = std::find_if(sightings.begin(), sightings.end(), [&](const Sighting& s) {
+    return s.scan > scan - config_.within_scans;
+  });
+  sightings.erase(sightings.begin(), recent);
+  const bool often = sightings.size() >= static_cast<std::size_t>(config_.sightings);
+  const bool long_enough = at_once || time_s - sightings.front().time_s >= config_.span_s;
+  if (!often || !long_enough) return false;
   candidates_.erase(candidates_.begin() + (candidate - candidates_.data()));
   return true;
 }
 
 void TentativeLandmarks::expire(long scan) {
   const auto stale = [&](const Candidate& candidate) {
-    return candidate.scans.back() <= scan - config_.within_scans;
+    return candidate.sightings.back().scan <= scan - config_.within_scans;
   };
   candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), stale),
                     candidates_.end());
@@ -38,8 +42,8 @@ TentativeLandmarks::Candidate* TentativeLandmarks::nearest(const Eigen::Vector2d
   Candidate* best = nullptr;
   double best_distance = radius_m;
   for (Candidate& candidate : candidates_) {
-    const double distance = (candidate.position - position).norm();
-    const bool seen_in_this_scan = candidate.scans.back() == scan;
+    const double distance = (candidate.sightings.front().position - position).norm();
+    const bool seen_in_this_scan = candidate.sightings.back().scan == scan;
     if (candidate.type != type || seen_in_this_scan || distance >= best_distance) continue;
     best = &candidate;
     best_distance = distance;

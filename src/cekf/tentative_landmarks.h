@@ -9,9 +9,10 @@
 namespace hymm::core {
 
 struct TentativeConfig {
-  int sightings = 3;     ///< that promote a tentative landmark
-  int within_scans = 6;  ///< in which they must happen
-  double gate_m = 0.5;   ///< added to the measurement's own 3 deviations, for the pose's change
+  int sightings = 3;      ///< that promote a tentative landmark
+  int within_scans = 10;  ///< in which they must happen
+  double span_s = 1.0;    ///< least time between the first and the last of them
+  double gate_m = 0.2;    ///< added to the measurement's own 3 deviations, for the pose's change
 };
 
 /// Objects seen but not yet trusted to be landmarks. They live outside the filter's state, so that
@@ -22,9 +23,11 @@ class TentativeLandmarks {
   explicit TentativeLandmarks(const TentativeConfig& config);
 
   /// A sighting at `position` (map frame, covariance of the measurement alone) in scan number
-  /// `scan`. True if it promotes the tentative landmark it belongs to, which is then forgotten.
+  /// `scan` at `time_s`. It belongs to a tentative landmark that was first seen at this very place,
+  /// not to one that has come here. True if it promotes that one, which is then forgotten;
+  /// `at_once`: without waiting for the time span.
   bool observe(const Eigen::Vector2d& position, const Eigen::Matrix2d& covariance,
-               LandmarkType type, long scan);
+               LandmarkType type, long scan, double time_s, bool at_once = false);
 
   /// Forgets what was not seen often enough.
   void expire(long scan);
@@ -32,10 +35,14 @@ class TentativeLandmarks {
   std::size_t size() const { return candidates_.size(); }
 
  private:
-  struct Candidate {
+  struct Sighting {
     Eigen::Vector2d position;
+    long scan;
+    double time_s;
+  };
+  struct Candidate {
     LandmarkType type;
-    std::vector<long> scans;
+    std::vector<Sighting> sightings;  ///< in order, none older than within_scans
   };
 
   Candidate* nearest(const Eigen::Vector2d& position, double radius_m, LandmarkType type,

@@ -58,41 +58,46 @@ TEST(LandmarkRegistry, ForgetsWhatLeft) {
   EXPECT_EQ(registry.size(), 0U);
 }
 
-TEST(TentativeLandmarks, PromotesWhatIsSeenOftenEnough) {
-  TentativeLandmarks tentative({3, 6, 0.5});
-  const Matrix2d covariance = 1e-4 * Matrix2d::Identity();
-  EXPECT_FALSE(tentative.observe({5.0, 0.0}, covariance, LandmarkType::kTrunk, 1));
-  EXPECT_FALSE(tentative.observe({5.1, 0.0}, covariance, LandmarkType::kTrunk, 3));
-  EXPECT_TRUE(tentative.observe({5.0, 0.1}, covariance, LandmarkType::kTrunk, 5));
-  EXPECT_EQ(tentative.size(), 0U);
-}
-
-TEST(TentativeLandmarks, ForgetsWhatIsSeenTooSeldom) {
-  TentativeLandmarks tentative({3, 4, 0.5});
-  const Matrix2d covariance = 1e-4 * Matrix2d::Identity();
-  for (long scan = 1; scan <= 40; scan += 3) {
-    EXPECT_FALSE(tentative.observe({5.0, 0.0}, covariance, LandmarkType::kTrunk, scan)) << scan;
+class TentativeLandmarkTest : public testing::Test {
+ protected:
+  /// Scans come at 5 Hz.
+  bool seenAt(double x, double y, long scan, LandmarkType type = LandmarkType::kTrunk) {
+    return tentative_.observe({x, y}, 1e-4 * Matrix2d::Identity(), type, scan,
+                              0.2 * static_cast<double>(scan));
   }
-  tentative.expire(100);
-  EXPECT_EQ(tentative.size(), 0U);
+
+  TentativeLandmarks tentative_{{3, 10, 1.0, 0.2}};
+};
+
+TEST_F(TentativeLandmarkTest, PromotesWhatIsSeenOftenEnoughForLongEnough) {
+  EXPECT_FALSE(seenAt(5.0, 0.0, 1));
+  EXPECT_FALSE(seenAt(5.1, 0.0, 2));
+  EXPECT_FALSE(seenAt(5.0, 0.1, 3));
+  EXPECT_TRUE(seenAt(5.0, 0.1, 6));
+  EXPECT_EQ(tentative_.size(), 0U);
 }
 
-TEST(TentativeLandmarks, DoesNotPromoteWhatWalks) {
-  TentativeLandmarks tentative({3, 6, 0.3});
-  const Matrix2d covariance = 1e-6 * Matrix2d::Identity();
-  for (long scan = 1; scan <= 20; ++scan) {
-    const Vector2d walker(0.35 * static_cast<double>(scan), 4.0);
-    EXPECT_FALSE(tentative.observe(walker, covariance, LandmarkType::kTrunk, scan));
+TEST_F(TentativeLandmarkTest, ForgetsWhatIsSeenTooSeldom) {
+  for (long scan = 1; scan <= 60; scan += 5) EXPECT_FALSE(seenAt(5.0, 0.0, scan)) << scan;
+  tentative_.expire(100);
+  EXPECT_EQ(tentative_.size(), 0U);
+}
+
+TEST_F(TentativeLandmarkTest, DoesNotPromoteWhatWalks) {
+  for (const double speed_mps : {0.5, 1.0, 1.4, 3.0}) {
+    for (long scan = 1; scan <= 40; ++scan) {
+      EXPECT_FALSE(seenAt(speed_mps * 0.2 * static_cast<double>(scan), 4.0, scan)) << speed_mps;
+      tentative_.expire(scan);
+    }
+    tentative_.clear();
   }
 }
 
-TEST(TentativeLandmarks, KeepsTypesAndNeighboursOfOneScanApart) {
-  TentativeLandmarks tentative({2, 6, 0.5});
-  const Matrix2d covariance = 1e-4 * Matrix2d::Identity();
-  EXPECT_FALSE(tentative.observe({5.0, 0.0}, covariance, LandmarkType::kTrunk, 1));
-  EXPECT_FALSE(tentative.observe({5.1, 0.0}, covariance, LandmarkType::kTrunk, 1));
-  EXPECT_FALSE(tentative.observe({5.0, 0.0}, covariance, LandmarkType::kReflector, 2));
-  EXPECT_EQ(tentative.size(), 3U);
+TEST_F(TentativeLandmarkTest, KeepsTypesAndNeighboursOfOneScanApart) {
+  EXPECT_FALSE(seenAt(5.0, 0.0, 1));
+  EXPECT_FALSE(seenAt(5.1, 0.0, 1));
+  EXPECT_FALSE(seenAt(5.0, 0.0, 2, LandmarkType::kReflector));
+  EXPECT_EQ(tentative_.size(), 3U);
 }
 
 class LandmarkVisibility : public testing::Test {
