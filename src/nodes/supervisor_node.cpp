@@ -24,17 +24,20 @@ SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
       trajectory_(vehicle.map_frame, config.trajectory_spacing_m,
                   static_cast<std::size_t>(config.trajectory_max_poses)),
       dead_reckoning_(vehicle.map_frame, config.trajectory_spacing_m,
-                      static_cast<std::size_t>(config.trajectory_max_poses)) {
+                      static_cast<std::size_t>(config.trajectory_max_poses)),
+      gps_(vehicle.gps_antenna.T_base_sensor().position(), vehicle.map_frame) {
   pose_publisher_ = handle_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", kQueue);
   status_publisher_ = handle_.advertise<FilterStatus>("filter_status", 100, kLatched);
   trajectory_publisher_ = handle_.advertise<nav_msgs::Path>("trajectory", 2, kLatched);
   dead_reckoning_publisher_ = handle_.advertise<nav_msgs::Path>("dead_reckoning_path", 2, kLatched);
+  gps_publisher_ = handle_.advertise<visualization_msgs::Marker>("gps_markers", 2, kLatched);
   const auto hints = ros::TransportHints().tcpNoDelay();
   pose_subscriber_ = handle_.subscribe("cekf/pose", kQueue, &SupervisorNode::takePose, this, hints);
   health_subscriber_ =
       handle_.subscribe("cekf/health", kQueue, &SupervisorNode::takeHealth, this, hints);
   odometry_subscriber_ =
       handle_.subscribe("odom", kQueue, &SupervisorNode::takeOdometry, this, hints);
+  gps_subscriber_ = handle_.subscribe("gps/fix", kQueue, &SupervisorNode::takeGps, this, hints);
   initial_pose_subscriber_ =
       handle_.subscribe("initialpose", 10, &SupervisorNode::takeInitialPose, this);
   diagnostics_.setHardwareID("none");
@@ -58,6 +61,7 @@ void SupervisorNode::takePose(const FilterPose& message) {
   pose_publisher_.publish(pose);
   const core::Pose2 T_map_base = fromMessage(message.pose.pose);
   trajectory_.add(message.header.stamp, T_map_base);
+  gps_.addPose(message.header.stamp.toSec(), T_map_base);
   map_odom_.setPose(message.header.stamp, T_map_base, *pose_wall_s_);
   decide();
 }
@@ -76,6 +80,8 @@ void SupervisorNode::takeOdometry(const nav_msgs::Odometry& message) {
   dead_reckoning_.add(message.header.stamp, core::inverse(*T_odom_first_) * T_odom_base);
 }
 
+void SupervisorNode::takeGps(const sensor_msgs::NavSatFix& message) { gps_.addFix(message); }
+
 void SupervisorNode::takeInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   ++initial_poses_refused_;
   core::SupervisorDecision told = decision_;
@@ -92,12 +98,16 @@ void SupervisorNode::tick() {
   map_odom_.broadcast(ros::Time::now(), now_s);
   decide();
   const bool due = now_s - trajectory_sent_s_ >= 1.0 / config_.trajectory_rate_hz;
-  if (due && trajectory_.message().poses.size() != trajectory_sent_poses_) {
-    trajectory_publisher_.publish(trajectory_.message());
-    dead_reckoning_publisher_.publish(dead_reckoning_.message());
-    trajectory_sent_s_ = now_s;
-    trajectory_sent_poses_ = trajectory_.message().poses.size();
-  }
+  if (!due || trajectory_.message().poses.size() == trajectory_sent_poses_) return;
+  publishPaths();
+  trajectory_sent_s_ = now_s;
+  trajectory_sent_poses_ = trajectory_.message().poses.size();
+}
+
+void SupervisorNode::publishPaths() {
+  trajectory_publisher_.publish(trajectory_.message());
+  dead_reckoning_publisher_.publish(dead_reckoning_.message());
+  if (gps_.count() > 0) gps_publisher_.publish(gps_.marker());
 }
 
 void SupervisorNode::decide() {
@@ -134,6 +144,7 @@ void SupervisorNode::beginAnew() {
   map_odom_.reset();
   trajectory_.clear();
   dead_reckoning_.clear();
+  gps_.clear();
   T_odom_first_.reset();
   trajectory_sent_poses_ = 0;
 }

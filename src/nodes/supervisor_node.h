@@ -8,9 +8,11 @@
 #include <hymm/FilterPose.h>
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
+#include <sensor_msgs/NavSatFix.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
+#include "ros/gps_overlay.h"
 #include "ros/map_odom_broadcaster.h"
 #include "ros/trajectory_path.h"
 #include "ros/transform_watch.h"
@@ -28,8 +30,10 @@ class SupervisorNode {
   void takePose(const FilterPose& message);
   void takeHealth(const FilterHealth& message);
   void takeOdometry(const nav_msgs::Odometry& message);
+  void takeGps(const sensor_msgs::NavSatFix& message);
   void takeInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   void tick();
+  void publishPaths();
   void decide();
   void publishStatus(const core::SupervisorDecision& decision);
   void beginAnew();
@@ -54,9 +58,10 @@ class SupervisorNode {
   TrajectoryPath trajectory_;
   TrajectoryPath dead_reckoning_;  ///< odometry alone, from the map's origin, to compare with
   std::optional<core::Pose2> T_odom_first_;
+  GpsOverlay gps_;
   ros::Publisher pose_publisher_, status_publisher_, trajectory_publisher_,
-      dead_reckoning_publisher_;
-  ros::Subscriber pose_subscriber_, health_subscriber_, odometry_subscriber_,
+      dead_reckoning_publisher_, gps_publisher_;
+  ros::Subscriber pose_subscriber_, health_subscriber_, odometry_subscriber_, gps_subscriber_,
       initial_pose_subscriber_;
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer timer_, diagnostics_timer_;

@@ -15,9 +15,12 @@ using visualization_msgs::Marker;
 
 constexpr int kEllipseSides = 24;
 constexpr double kEllipseSigmas = 2.0;
-constexpr double kLineWidth_m = 0.08;
-constexpr double kRayWidth_m = 0.05;
-constexpr double kSmallestDisc_m = 0.4;  // so that a pole stays visible from above
+constexpr double kLineWidth_m = 0.02;  // finer than the ellipse of a landmark seen often
+constexpr double kMagnification = 10.0;
+constexpr double kMagnifiedLineWidth_m = 0.15;
+constexpr double kEllipseHeight_m = 0.12;  // above the discs, seen from above
+constexpr double kRayWidth_m = 0.1;
+constexpr double kSmallestDisc_m = 0.6;  // so that a pole stays visible from above
 
 std_msgs::ColorRGBA colour(float r, float g, float b, float a = 1.0F) {
   std_msgs::ColorRGBA message;
@@ -68,9 +71,10 @@ Marker listMarker(const char* name, int type, double scale_m, double time_s,
   return marker;
 }
 
-void addEllipse(const core::LandmarkEstimate& landmark, Marker& lines) {
+void addEllipse(const core::LandmarkEstimate& landmark, double magnification, Marker& lines) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(landmark.covariance);
-  const Eigen::Vector2d axes = kEllipseSigmas * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::Vector2d axes =
+      magnification * kEllipseSigmas * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   const Eigen::Matrix2d shape = eigen.eigenvectors() * axes.asDiagonal();
   const auto corner = [&](int side) {
     const double angle = 2.0 * core::kPi * side / kEllipseSides;
@@ -103,12 +107,18 @@ visualization_msgs::MarkerArray landmarkMarkers(const core::LandmarkMap& map,
   clear.action = Marker::DELETEALL;  // landmarks disappear, too
   markers.markers.push_back(clear);
   Marker ellipses = listMarker("two_sigma", Marker::LINE_LIST, kLineWidth_m, map.time_s, frame_id);
-  ellipses.color = colour(0.30F, 0.70F, 1.0F, 0.9F);
+  ellipses.pose.position.z = kEllipseHeight_m;
+  ellipses.color = colour(0.05F, 0.20F, 0.60F);
+  Marker magnified = listMarker("two_sigma_magnified_10x", Marker::LINE_LIST, kMagnifiedLineWidth_m,
+                                map.time_s, frame_id);
+  magnified.color = colour(0.35F, 0.70F, 1.0F);
   for (const core::LandmarkEstimate& landmark : map.landmarks) {
-    addEllipse(landmark, ellipses);
+    addEllipse(landmark, 1.0, ellipses);
+    addEllipse(landmark, kMagnification, magnified);
     markers.markers.push_back(disc(landmark, map.time_s, frame_id));
   }
-  if (!ellipses.points.empty()) markers.markers.push_back(ellipses);
+  if (!ellipses.points.empty())
+    markers.markers.insert(markers.markers.end(), {ellipses, magnified});
   return markers;
 }
 

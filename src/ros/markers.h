@@ -10,7 +10,10 @@
 /// What RViz draws of the filter with its standard displays.
 namespace hymm {
 
-/// Landmarks as discs of their diameter, coloured by type, with their 2-sigma ellipses.
+/// Landmarks as discs of their diameter (0.6 m at least), coloured by type, with their 2-sigma
+/// ellipses true to scale, and again ten times as large: of a landmark that was seen often they are
+/// centimetres wide, which nobody sees in a picture of the whole map. RViz can switch off each of
+/// the two by its namespace.
 visualization_msgs::MarkerArray landmarkMarkers(const core::LandmarkMap& map,
                                                 const std::string& frame_id);
 

@@ -1,0 +1,93 @@
+#include "ros/gps_overlay.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "ros/time_conversions.h"
+
+namespace hymm {
+namespace {
+
+// Two fixes determine a rigid motion and fit it exactly, wherever they lie.
+constexpr std::size_t kFewestFixes = 3;
+constexpr std::size_t kMostFixes = 20000;  // as many as the supervisor keeps poses
+constexpr double kPosesKept_s = 5.0;       // a fix may come that much later than the pose after it
+constexpr float kPointSize_m = 0.7F;
+constexpr double kHeight_m = 0.15;  // above the trajectory, seen from above
+
+}  // namespace
+
+GpsOverlay::GpsOverlay(const Eigen::Vector2d& antenna, std::string map_frame)
+    : antenna_(antenna), map_frame_(std::move(map_frame)), converter_(antenna) {}
+
+void GpsOverlay::addPose(double time_s, const core::Pose2& T_map_base) {
+  poses_.push_back({time_s, T_map_base});
+  while (time_s - poses_.front().time_s > kPosesKept_s) poses_.pop_front();
+  compareWaiting();
+}
+
+void GpsOverlay::addFix(const sensor_msgs::NavSatFix& message) {
+  const GpsConverter::Answer answer = converter_.convert(message);
+  if (!answer.fix || !gate_.keep(answer.fix->time_s, answer.fix->position)) return;
+  waiting_.push_back(*answer.fix);
+  compareWaiting();
+}
+
+void GpsOverlay::compareWaiting() {
+  while (!waiting_.empty() && !poses_.empty() && waiting_.front().time_s <= poses_.back().time_s) {
+    const core::GpsFix fix = waiting_.front();
+    waiting_.pop_front();
+    const auto after = std::find_if(poses_.begin(), poses_.end(),
+                                    [&](const auto& pose) { return pose.time_s >= fix.time_s; });
+    if (after == poses_.begin() && after->time_s > fix.time_s) continue;  // before the first pose
+    const core::StampedPose& before = after == poses_.begin() ? *after : *std::prev(after);
+    if (after->time_s - before.time_s > core::kLongestInterpolation_s) continue;
+    const core::Pose2 T_map_base =
+        after->time_s > before.time_s ? core::interpolate(before, *after, fix.time_s) : after->pose;
+    alignment_.add(fix.position, T_map_base * antenna_);
+    fixes_.push_back(fix.position);
+    if (fixes_.size() > kMostFixes) fixes_.pop_front();
+    time_s_ = fix.time_s;
+  }
+}
+
+std::size_t GpsOverlay::count() const { return alignment_.count(); }
+
+visualization_msgs::Marker GpsOverlay::marker() const {
+  visualization_msgs::Marker marker;
+  marker.header.stamp = toRosTime(time_s_);
+  marker.header.frame_id = map_frame_;
+  marker.ns = "gps";
+  marker.type = visualization_msgs::Marker::SPHERE_LIST;
+  marker.pose.orientation.w = 1.0;
+  marker.scale.x = marker.scale.y = marker.scale.z = kPointSize_m;
+  marker.color.r = 0.25F;
+  marker.color.g = 0.85F;
+  marker.color.b = 0.95F;
+  marker.color.a = 1.0F;
+  if (count() < kFewestFixes) {
+    marker.action = visualization_msgs::Marker::DELETE;
+    return marker;
+  }
+  const core::Pose2 T_map_gps = alignment_.T_to_from();
+  for (const Eigen::Vector2d& p_gps : fixes_) {
+    const Eigen::Vector2d p_map = T_map_gps * p_gps;
+    geometry_msgs::Point point;
+    point.x = p_map.x();
+    point.y = p_map.y();
+    point.z = kHeight_m;
+    marker.points.push_back(point);
+  }
+  return marker;
+}
+
+void GpsOverlay::clear() {
+  converter_.reset();
+  gate_ = {};
+  poses_.clear();
+  waiting_.clear();
+  alignment_ = {};
+  fixes_.clear();
+}
+
+}  // namespace hymm
