@@ -39,7 +39,7 @@ struct RunTotals {
 };
 
 /// Writes the folder of results that `hymm_offline --output DIR` and `playback.launch output:=DIR`
-/// leave (2_interfaces: trajectory.tum, pose_covariance.csv, landmarks.csv, health.csv, gps.csv,
+/// leave (trajectory.tum, pose_covariance.csv, landmarks.csv, health.csv, gps.csv,
 /// events.csv, summary.json). Lines go to disk as records come, so that memory does not grow with
 /// the run. Numbers are written with the fewest digits that give the same double back, whatever
 /// the locale. Times that the machine took stand only in latency_ms of health.csv and in wall_s,

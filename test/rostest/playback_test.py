@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+"""playback.launch leaves what hymm_offline leaves: for a car with encoders, for a robot that has
+only `odom`, and for one whose own detector publishes `detections`."""
+import csv
+import json
+import os
+import socket
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+DURATION_S = 15
+RATE = 5
+SCANS_HZ = 5  # of the simulated laser and detector
+
+
+def free_port():
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return str(listener.getsockname()[1])
+
+
+def read_table(path, delimiter=","):
+    with open(path, newline="") as file:
+        return list(csv.reader(file, delimiter=delimiter))
+
+
+class Playback(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.path = Path(self.folder.name)
+
+    def run_both(self, overlay, *simulation):
+        bag, config = self.path / "robot.bag", self.path / "robot.yaml"
+        config.write_text(overlay)
+        self.run_command("rosrun", "hymm", "simulate_world", "--world", "park", "--seed", "7",
+                         "--duration", DURATION_S, "--output", bag, *simulation)
+        self.run_command("rosrun", "hymm", "hymm_offline", "--bag", bag, "--config", config,
+                         "--output", self.path / "offline")
+        port = free_port()
+        self.run_command("roslaunch", "--port", port, "hymm", "playback.launch", f"bag:={bag}",
+                         f"config:={config}", f"rate:={RATE}", f"output:={self.path / 'live'}",
+                         env={**os.environ, "ROS_MASTER_URI": f"http://localhost:{port}",
+                              "ROS_HOME": str(self.path / "ros")})
+
+    def run_command(self, *command, env=None):
+        done = subprocess.run([str(word) for word in command], env=env, timeout=90, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def expect_equal_results(self, scans):
+        live, offline = (json.loads((self.path / kind / "summary.json").read_text())
+                         for kind in ("live", "offline"))
+        self.assertEqual(offline["scans"], scans)
+        self.assertGreater(offline["landmarks"], 3)
+        for key in ("scans", "landmarks", "observations", "associated", "rejected"):
+            self.assertEqual(live[key], offline[key], key)
+        self.assertEqual(live["dropped_scans"], 0)
+        self.expect_close("trajectory.tum", " ", columns=8)
+        self.expect_close("landmarks.csv", ",", columns=9)
+
+    def expect_close(self, name, delimiter, columns):
+        live, offline = (read_table(self.path / kind / name, delimiter)
+                         for kind in ("live", "offline"))
+        self.assertEqual(len(live), len(offline))
+        numbers = 0
+        for live_row, offline_row in zip(live, offline):
+            self.assertEqual(len(live_row), columns)
+            for a, b in zip(live_row, offline_row):
+                try:
+                    self.assertAlmostEqual(float(a), float(b), delta=1e-6)
+                    numbers += 1
+                except ValueError:  # a name
+                    self.assertEqual(a, b)
+        self.assertGreater(numbers, len(live))
+
+    def test_car_with_encoders(self):
+        self.run_both("vehicle: simulated_car\n")
+        self.expect_equal_results(scans=DURATION_S * SCANS_HZ)
+
+    def test_robot_with_odom_only(self):
+        self.run_both("vehicle: simulated_car\ncekf_slam: {motion_input: odom}\n",
+                      "--motion", "odom")
+        self.expect_equal_results(scans=DURATION_S * SCANS_HZ)
+
+    def test_robot_with_its_own_detector(self):
+        self.run_both("vehicle: simulated_car\ncekf_slam: {observation_input: detections}\n",
+                      "--detections")
+        self.expect_equal_results(scans=DURATION_S * SCANS_HZ)
+
+
+if __name__ == "__main__":
+    unittest.main()
