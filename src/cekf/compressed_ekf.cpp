@@ -332,6 +332,7 @@ void CompressedEkf::initialiseVehicleStates(int first, const VectorXd& value, co
 void CompressedEkf::globalUpdate() {
   flushMotion();
   std::vector<int> origin_store;
+  origin_store.reserve(static_cast<std::size_t>(origin_states_));
   for (int i = 0; i < vehicle_states_; ++i) origin_store.push_back(i);
   for (const int slot : origin_slots_) {
     origin_store.push_back(storeIndex(slot));
