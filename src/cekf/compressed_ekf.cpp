@@ -447,12 +447,4 @@ TwoColumns CompressedEkf::psiTimes(const TwoColumns& W) const {
   return symmetric(psi_, origin_states_) * W;
 }
 
-std::size_t CompressedEkf::memoryBytes() const {
-  const auto tile_rows = static_cast<std::size_t>(store_.tileRows());
-  const std::size_t tile_bytes =
-      TiledSymmetricMatrix::kTileSize * TiledSymmetricMatrix::kTileSize * sizeof(double);
-  const auto active = static_cast<std::size_t>(P_.size() + phi_.size() + psi_.size());
-  return tile_rows * (tile_rows + 1) / 2 * tile_bytes + active * sizeof(double);
-}
-
 }  // namespace hymm::core

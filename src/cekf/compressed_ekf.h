@@ -101,9 +101,6 @@ class CompressedEkf {
   /// Keeps rounding and caller's angles in order: replaces a vehicle state by an equivalent value.
   void setVehicleState(int index, double value) { x_[index] = value; }
 
-  /// Bytes held for covariances.
-  std::size_t memoryBytes() const;
-
  private:
   static constexpr int kFirstLandmarkIndex = kMaxVehicleStates;
   static constexpr int kPassive = -1;

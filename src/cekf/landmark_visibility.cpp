@@ -12,7 +12,7 @@ constexpr double kOcclusionMargin_m = 0.5;
 // A landmark is expected where it was seen before, not at the limit of its detection.
 constexpr double kShareOfFarthestSighting = 0.8;
 
-// Half the angle on both sides of a landmark that must be free of nearer things.
+// Width beside a landmark, on either side, in which nothing nearer may stand.
 constexpr double kClearance_m = 0.3;
 
 bool hides(float range_m, double surface_m) {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include <Eigen/Core>
 
 #include "cekf/cekf_slam_config.h"
