@@ -12,10 +12,10 @@ UnfinishedFile::UnfinishedFile(fs::path target) : target_(std::move(target)), pa
   path_ += ".active";
   const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
   if (target_.filename().empty() || fs::is_directory(target_)) {
-    throw InputError("The output " + target_.string() + " is a folder; name a file in it.");
+    throw OutputError("The output " + target_.string() + " is a folder; name a file in it.");
   }
   if (!fs::is_directory(folder)) {
-    throw InputError("The folder " + folder.string() + " for the output does not exist; make it.");
+    throw OutputError("The folder " + folder.string() + " for the output does not exist; make it.");
   }
 }
 
@@ -28,8 +28,8 @@ void UnfinishedFile::complete() {
   std::error_code error;
   fs::rename(path_, target_, error);
   if (error) {
-    throw InputError(path_.string() + " cannot be renamed to " + target_.filename().string() +
-                     " (" + error.message() + "); check the folder's permissions.");
+    throw OutputError(path_.string() + " cannot be renamed to " + target_.filename().string() +
+                      " (" + error.message() + "); check the folder's permissions.");
   }
   is_complete_ = true;
 }

@@ -8,7 +8,7 @@ namespace hymm::core {
 /// a failure leaves neither half a file nor a damaged older one.
 class UnfinishedFile {
  public:
-  /// Throws InputError if the target cannot be a file: its folder is missing, or it is a folder.
+  /// Throws OutputError if the target cannot be a file: its folder is missing, or it is a folder.
   explicit UnfinishedFile(std::filesystem::path target);
 
   /// Removes what was written, unless it was completed.
@@ -19,7 +19,7 @@ class UnfinishedFile {
   /// Where to write.
   const std::filesystem::path& path() const { return path_; }
 
-  /// Gives the closed file its name. Throws InputError if that fails.
+  /// Gives the closed file its name. Throws OutputError if that fails.
   void complete();
 
  private:

@@ -1,5 +1,6 @@
 #include "evaluation/run_results.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -34,20 +35,24 @@ Resets readResets(const std::string& file) {
   return resets;
 }
 
-std::vector<UncertainPose> readPoses(const std::string& folder, std::size_t first) {
+/// Poses of the scans from `first` to `end`: lines beyond came after the summary of a run that did
+/// not end.
+std::vector<UncertainPose> readPoses(const std::string& folder, std::size_t first,
+                                     std::size_t end) {
   const std::string file = in(folder, "trajectory.tum");
   const auto rows = readNumberRows(file, 8);
   const CsvTable table(in(folder, "pose_covariance.csv"));
-  if (table.rows() != rows.size()) {
+  if (table.rows() < end || rows.size() < end) {
     throw InputError(file + ": has " + std::to_string(rows.size()) +
-                     " poses, but pose_covariance.csv " + std::to_string(table.rows()) +
-                     "; was the run interrupted?");
+                     " poses and pose_covariance.csv " + std::to_string(table.rows()) +
+                     ", but summary.json tells of " + std::to_string(end) +
+                     "; are the files of one run?");
   }
   const auto xx = table.numbers("xx"), xy = table.numbers("xy"), xyaw = table.numbers("xyaw");
   const auto yy = table.numbers("yy"), yyaw = table.numbers("yyaw");
   const auto yawyaw = table.numbers("yawyaw");
   std::vector<UncertainPose> poses;
-  for (std::size_t i = first; i < rows.size(); ++i) {
+  for (std::size_t i = first; i < end; ++i) {
     const auto& row = rows[i];
     UncertainPose pose;
     pose.pose = {row[0], {row[1], row[2], 2.0 * std::atan2(row[6], row[7])}};
@@ -58,11 +63,11 @@ std::vector<UncertainPose> readPoses(const std::string& folder, std::size_t firs
   return poses;
 }
 
-std::vector<StampedNis> readNis(const std::string& file, std::size_t first) {
+std::vector<StampedNis> readNis(const std::string& file, std::size_t first, std::size_t end) {
   const CsvTable table(file);
   const auto t = table.numbers("t"), nis = table.numbers("nis"), dof = table.numbers("dof");
   std::vector<StampedNis> values;
-  for (std::size_t i = first; i < t.size(); ++i) {
+  for (std::size_t i = first; i < std::min(end, t.size()); ++i) {
     values.push_back({t[i], nis[i], static_cast<int>(dof[i])});
   }
   return values;
@@ -99,12 +104,22 @@ std::vector<StampedPosition> readLastGps(const std::string& file) {
   return fixes;
 }
 
+struct Summary {
+  std::size_t scans = 0;
+  std::optional<Eigen::Vector2d> gps_antenna;
+};
+
 /// JSON is YAML.
-std::optional<Eigen::Vector2d> readAntenna(const std::string& file) {
+Summary readSummary(const std::string& file) {
   try {
-    const YAML::Node antenna = YAML::LoadFile(file)["gps_antenna_m"];
-    if (!antenna || !antenna.IsSequence() || antenna.size() != 2) return std::nullopt;
-    return Eigen::Vector2d(antenna[0].as<double>(), antenna[1].as<double>());
+    const YAML::Node json = YAML::LoadFile(file);
+    Summary summary;
+    summary.scans = json["scans"].as<std::size_t>();
+    const YAML::Node antenna = json["gps_antenna_m"];
+    if (antenna && antenna.IsSequence() && antenna.size() == 2) {
+      summary.gps_antenna = Eigen::Vector2d(antenna[0].as<double>(), antenna[1].as<double>());
+    }
+    return summary;
   } catch (const YAML::Exception& error) {
     throw InputError(file + ": " + error.what() + "; did the run end?");
   }
@@ -117,13 +132,14 @@ RunResults readRunResults(const std::string& folder) {
     throw InputError(folder + ": is not a folder of results.");
   }
   const Resets resets = readResets(in(folder, "events.csv"));
+  const Summary summary = readSummary(in(folder, "summary.json"));
   RunResults results;
   results.resets = resets.count;
-  results.poses = readPoses(folder, resets.first_scan);
-  results.nis = readNis(in(folder, "health.csv"), resets.first_scan);
+  results.poses = readPoses(folder, resets.first_scan, summary.scans);
+  results.nis = readNis(in(folder, "health.csv"), resets.first_scan, summary.scans);
   results.landmarks = readLandmarks(in(folder, "landmarks.csv"));
   results.gps = readLastGps(in(folder, "gps.csv"));
-  results.gps_antenna = readAntenna(in(folder, "summary.json"));
+  results.gps_antenna = summary.gps_antenna;
   return results;
 }
 

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "common/error.h"
 #include "ros/filter_conversions.h"
 #include "ros/map_conversions.h"
 #include "ros/steady_time.h"
@@ -16,6 +17,8 @@ constexpr double kWriteDelay_s = 2.0;    // by stamps: what comes later than tha
 
 void RecorderConfig::describe(core::ConfigSchema& schema) {
   schema.text("output", output, "folder to write into; made if it does not exist");
+  schema.number("save_period_s", save_period_s, core::Range::between(0.05, 3600.0),
+                "how often a complete folder is saved while the run goes on, by the wall");
 }
 
 RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle)
@@ -32,6 +35,8 @@ RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConf
       handle_.subscribe("landmark_updates", kUnbounded, &RecorderNode::takeUpdate, this, hints),
       handle_.subscribe("gps/fix", kUnbounded, &RecorderNode::takeGps, this, hints),
       handle_.subscribe("filter_status", kUnbounded, &RecorderNode::takeStatus, this, hints)};
+  save_timer_ = handle_.createSteadyTimer(ros::WallDuration(config.save_period_s),
+                                          [this](const ros::SteadyTimerEvent&) { save(); });
 }
 
 void RecorderNode::takePose(const FilterPose& message) {
@@ -140,7 +145,16 @@ core::RunTotals RecorderNode::totals() const {
   return totals;
 }
 
+void RecorderNode::save() {
+  try {
+    writer_.save(landmarks_.map(), totals());
+  } catch (const core::OutputError& error) {  // perhaps there will be room again at the end
+    causes_.count("not saved", std::string("Results cannot be saved: ") + error.what());
+  }
+}
+
 void RecorderNode::finish() {
+  save_timer_.stop();
   write(std::numeric_limits<double>::infinity());
   writer_.finish(landmarks_.map(), totals());
 }

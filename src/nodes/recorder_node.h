@@ -23,14 +23,15 @@ namespace hymm {
 
 /// Parameters of the node `recorder`.
 struct RecorderConfig {
-  std::string output;  ///< folder
+  std::string output;           ///< folder
+  double save_period_s = 10.0;  ///< by the wall
 
   void describe(core::ConfigSchema& schema);
 };
 
 /// The node `recorder`: writes what the live nodes find into the folder that `hymm_offline` would
-/// write. Scans and fixes go to disk in the order of their stamps, a little after they came;
-/// landmarks.csv and summary.json when the node ends.
+/// write, in the order of stamps. All of it is saved now and then, so that even a node that is
+/// killed leaves a complete folder, of a moment before.
 class RecorderNode {
  public:
   /// Throws OutputError if the folder cannot be written.
@@ -51,6 +52,7 @@ class RecorderNode {
   void addScan(const FilterPose& pose, const FilterHealth& health);
   void beginAnew(double time_s, const std::string& reason);
   void write(double up_to_s);
+  void save();
   core::RunTotals totals() const;
 
   core::VehicleConfig vehicle_;
@@ -68,6 +70,7 @@ class RecorderNode {
 
   ros::NodeHandle handle_;
   std::vector<ros::Subscriber> subscribers_;
+  ros::SteadyTimer save_timer_;
 };
 
 }  // namespace hymm

@@ -2,15 +2,19 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "common/error.h"
 #include "common/json.h"
 #include "common/number_text.h"
+#include "common/unfinished_file.h"
 
 namespace hymm::core {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kMostWaitingBytes = 1 << 20;
 
 std::string field(double value) { return numberText(value); }
 std::string field(int value) { return std::to_string(value); }
@@ -28,10 +32,10 @@ std::string field(const std::string& text) {
 }
 
 template <class First, class... Rest>
-void writeLine(std::ostream& file, char separator, const First& first, const Rest&... rest) {
+std::string lineOf(char separator, const First& first, const Rest&... rest) {
   std::string line = field(first);
   ((line += separator, line += field(rest)), ...);
-  file << line << '\n';
+  return line;
 }
 
 std::string typeName(LandmarkType type) {
@@ -54,22 +58,41 @@ JsonObject latencyJson(const LatencyHistogram& latency) {
   return json;
 }
 
+std::string landmarksText(const LandmarkMap& map) {
+  std::string text = "id,type,x,y,cxx,cxy,cyy,diameter,observations\n";
+  for (const LandmarkEstimate& landmark : map.landmarks) {
+    const Eigen::Matrix2d& C = landmark.covariance;
+    text += lineOf(',', landmark.id, typeName(landmark.type), landmark.position.x(),
+                   landmark.position.y(), C(0, 0), C(0, 1), C(1, 1), landmark.diameter_m,
+                   landmark.observations);
+    text += '\n';
+  }
+  return text;
+}
+
+/// The folder, made and without the summary of an earlier run.
+fs::path prepared(const std::string& folder) {
+  std::error_code problem;
+  fs::create_directories(folder, problem);
+  if (problem) throw OutputError(folder + ": cannot be made: " + problem.message() + ".");
+  fs::remove(fs::path(folder) / "summary.json", problem);
+  return folder;
+}
+
 }  // namespace
 
-ResultsWriter::ResultsWriter(const std::string& folder) : folder_(folder) {
-  std::error_code problem;
-  fs::create_directories(folder_, problem);
-  if (problem) throw OutputError(folder_ + ": cannot be made: " + problem.message() + ".");
-  fs::remove(fs::path(folder_) / "summary.json", problem);
-  trajectory_ = open("trajectory.tum");
-  covariance_ = open("pose_covariance.csv");
-  health_ = open("health.csv");
-  gps_ = open("gps.csv");
-  events_ = open("events.csv");
-  covariance_ << "t,xx,xy,xyaw,yy,yyaw,yawyaw\n";
-  health_ << "t,nis,dof,ambiguity,unexplained,missed,latency_ms,mode\n";
-  gps_ << "t,x,y,cxx,cxy,cyy\n";
-  events_ << "t,scan,event,mode,reason\n";
+ResultsWriter::ResultsWriter(const std::string& folder)
+    : folder_(prepared(folder)),
+      trajectory_(folder_ / "trajectory.tum"),
+      covariance_(folder_ / "pose_covariance.csv"),
+      health_(folder_ / "health.csv"),
+      gps_(folder_ / "gps.csv"),
+      events_(folder_ / "events.csv") {
+  covariance_.add("t,xx,xy,xyaw,yy,yyaw,yawyaw");
+  health_.add("t,nis,dof,ambiguity,unexplained,missed,latency_ms,mode");
+  gps_.add("t,x,y,cxx,cxy,cyy");
+  events_.add("t,scan,event,mode,reason");
+  flushLines();
 }
 
 void ResultsWriter::addScan(const ScanRecord& record) {
@@ -77,11 +100,11 @@ void ResultsWriter::addScan(const ScanRecord& record) {
   const Pose2& pose = record.pose.T_map_base;
   const Eigen::Matrix3d& P = record.pose.covariance;
   const FilterHealth& health = record.health;
-  writeLine(trajectory_, ' ', t, pose.x_m, pose.y_m, 0, 0, 0, std::sin(pose.yaw_rad / 2.0),
-            std::cos(pose.yaw_rad / 2.0));
-  writeLine(covariance_, ',', t, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2));
-  writeLine(health_, ',', t, health.nis, health.dof, health.ambiguity, health.unexplained,
-            health.missed, health.latency_ms, record.mode);
+  trajectory_.add(lineOf(' ', t, pose.x_m, pose.y_m, 0, 0, 0, std::sin(pose.yaw_rad / 2.0),
+                         std::cos(pose.yaw_rad / 2.0)));
+  covariance_.add(lineOf(',', t, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)));
+  health_.add(lineOf(',', t, health.nis, health.dof, health.ambiguity, health.unexplained,
+                     health.missed, health.latency_ms, record.mode));
   mode_ = record.mode;
   ++scans_;
   if (!first_s_) first_s_ = t;
@@ -90,11 +113,12 @@ void ResultsWriter::addScan(const ScanRecord& record) {
   dof_ += health.dof;
   latency_.add(health.latency_ms);
   gps_alignment_.addPose({t, pose});
+  flushIfMuchWaits();
 }
 
 void ResultsWriter::addGps(const GpsFix& fix) {
   const Eigen::Matrix2d& C = fix.covariance;
-  writeLine(gps_, ',', fix.time_s, fix.position.x(), fix.position.y(), C(0, 0), C(0, 1), C(1, 1));
+  gps_.add(lineOf(',', fix.time_s, fix.position.x(), fix.position.y(), C(0, 0), C(0, 1), C(1, 1)));
   ++gps_fixes_;
   gps_alignment_.addFix(fix);
 }
@@ -116,32 +140,34 @@ void ResultsWriter::addReset(double time_s, const std::string& reason) {
 }
 
 void ResultsWriter::addEvent(double time_s, const char* event, const std::string& reason) {
-  writeLine(events_, ',', time_s, scans_, std::string(event), mode_, reason);
+  events_.add(lineOf(',', time_s, scans_, std::string(event), mode_, reason));
+}
+
+void ResultsWriter::save(const LandmarkMap& map, const RunTotals& totals) {
+  RunTotals so_far = totals;
+  so_far.notes.emplace_back("Saved while the run went on; it had not ended.");
+  finish(map, so_far);
 }
 
 void ResultsWriter::finish(const LandmarkMap& map, const RunTotals& totals) {
-  close(trajectory_, "trajectory.tum");
-  close(covariance_, "pose_covariance.csv");
-  close(health_, "health.csv");
-  close(gps_, "gps.csv");
-  close(events_, "events.csv");
-  writeLandmarks(map);
-  writeSummary(map, totals);
+  flushLines();
+  replace("landmarks.csv", landmarksText(map));
+  replace("summary.json", summaryText(map, totals));
 }
 
-void ResultsWriter::writeLandmarks(const LandmarkMap& map) {
-  std::ofstream file = open("landmarks.csv");
-  file << "id,type,x,y,cxx,cxy,cyy,diameter,observations\n";
-  for (const LandmarkEstimate& landmark : map.landmarks) {
-    const Eigen::Matrix2d& C = landmark.covariance;
-    writeLine(file, ',', landmark.id, typeName(landmark.type), landmark.position.x(),
-              landmark.position.y(), C(0, 0), C(0, 1), C(1, 1), landmark.diameter_m,
-              landmark.observations);
+void ResultsWriter::flushIfMuchWaits() {
+  std::size_t waiting = 0;
+  for (const LineFile* file : {&trajectory_, &covariance_, &health_, &gps_, &events_}) {
+    waiting += file->waiting();
   }
-  close(file, "landmarks.csv");
+  if (waiting > kMostWaitingBytes) flushLines();
 }
 
-void ResultsWriter::writeSummary(const LandmarkMap& map, const RunTotals& totals) {
+void ResultsWriter::flushLines() {
+  for (LineFile* file : {&trajectory_, &covariance_, &health_, &gps_, &events_}) file->flush();
+}
+
+std::string ResultsWriter::summaryText(const LandmarkMap& map, const RunTotals& totals) const {
   const double duration_s = duration_s_ + (first_s_ ? *last_s_ - *first_s_ : 0.0);
   JsonObject cpu;
   for (const auto& [subsystem, seconds] : totals.subsystem_cpu_s) cpu.add(subsystem, seconds);
@@ -166,28 +192,18 @@ void ResultsWriter::writeSummary(const LandmarkMap& map, const RunTotals& totals
     json.addNull("gps_antenna_m");
   }
   json.add("seed", totals.seed).add("notes", totals.notes);
-
-  std::ofstream file = open("summary.json.part");
-  file << json.text() << '\n';
-  close(file, "summary.json.part");
-  std::error_code problem;
-  fs::rename(fs::path(folder_) / "summary.json.part", fs::path(folder_) / "summary.json", problem);
-  if (problem) throw OutputError(folder_ + "/summary.json: " + problem.message() + ".");
+  return json.text() + '\n';
 }
 
-std::ofstream ResultsWriter::open(const std::string& name) const {
-  const fs::path path = fs::path(folder_) / name;
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  if (!file) throw OutputError(path.string() + ": cannot be opened for writing.");
-  return file;
-}
-
-void ResultsWriter::close(std::ofstream& file, const std::string& name) const {
+void ResultsWriter::replace(const char* name, const std::string& content) const {
+  UnfinishedFile unfinished(folder_ / name);
+  std::ofstream file(unfinished.path(), std::ios::binary | std::ios::trunc);
+  file << content;
   file.close();
   if (!file) {
-    throw OutputError((fs::path(folder_) / name).string() +
-                      ": could not be written whole; is the disk full?");
+    throw OutputError(unfinished.path().string() + ": could not be written; is the disk full?");
   }
+  unfinished.complete();
 }
 
 }  // namespace hymm::core

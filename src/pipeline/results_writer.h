@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <fstream>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,6 +11,7 @@
 #include "cekf/landmark_map.h"
 #include "evaluation/gps_alignment.h"
 #include "pipeline/latency_histogram.h"
+#include "pipeline/line_file.h"
 #include "pipeline/sensor_event.h"
 
 namespace hymm::core {
@@ -40,11 +41,12 @@ struct RunTotals {
 
 /// Writes the folder of results that `hymm_offline --output DIR` and `playback.launch output:=DIR`
 /// leave (trajectory.tum, pose_covariance.csv, landmarks.csv, health.csv, gps.csv,
-/// events.csv, summary.json). Lines go to disk as records come, so that memory does not grow with
-/// the run. Numbers are written with the fewest digits that give the same double back, whatever
-/// the locale. Times that the machine took stand only in latency_ms of health.csv and in wall_s,
-/// cpu_s, real_time_factor, peak_rss_mb, scan_latency_ms and subsystem_cpu_s of summary.json:
-/// everything else is a function of the input.
+/// events.csv, summary.json). Lines go to disk as records come, of all files at once, so that
+/// memory does not grow with the run and the files fit each other however the run ends. Numbers are
+/// written with the fewest digits that give the same double back, whatever the locale. Times that
+/// the machine took stand only in latency_ms of health.csv and in wall_s, cpu_s, real_time_factor,
+/// peak_rss_mb, scan_latency_ms and subsystem_cpu_s of summary.json: everything else is a function
+/// of the input.
 class ResultsWriter {
  public:
   /// Makes the folder and opens its files; an earlier summary.json is removed, so that the folder
@@ -62,19 +64,23 @@ class ResultsWriter {
   /// The filter began a new map: poses from here on are in another map frame.
   void addReset(double time_s, const std::string& reason);
 
-  /// Writes landmarks.csv and, last of all and at once, summary.json. Throws OutputError if
-  /// anything could not be written (a full disk). Nothing may be added afterwards.
+  /// Leaves a complete folder of the run so far, in case that it cannot finish: all lines, then
+  /// landmarks.csv and, last of all, summary.json, which says so in its notes; each of these two
+  /// replaces the one before at once. Throws OutputError if anything could not be written.
+  void save(const LandmarkMap& map, const RunTotals& totals);
+
+  /// The same at the end of the run. Nothing may be added afterwards.
   void finish(const LandmarkMap& map, const RunTotals& totals);
 
  private:
   void addEvent(double time_s, const char* event, const std::string& reason);
-  void writeLandmarks(const LandmarkMap& map);
-  void writeSummary(const LandmarkMap& map, const RunTotals& totals);
-  std::ofstream open(const std::string& name) const;
-  void close(std::ofstream& file, const std::string& name) const;
+  void flushIfMuchWaits();
+  void flushLines();
+  std::string summaryText(const LandmarkMap& map, const RunTotals& totals) const;
+  void replace(const char* name, const std::string& content) const;
 
-  std::string folder_;
-  std::ofstream trajectory_, covariance_, health_, gps_, events_;
+  std::filesystem::path folder_;
+  LineFile trajectory_, covariance_, health_, gps_, events_;
   std::string mode_;
 
   std::size_t scans_ = 0;

@@ -11,7 +11,7 @@
 namespace hymm {
 
 /// A bag in the making, which gets its name when it is complete. A failure, a full disk included,
-/// leaves nothing behind. Throws core::InputError where the file cannot be made or finished.
+/// leaves nothing behind. Throws core::OutputError where the file cannot be made or finished.
 class BagOutput {
  public:
   explicit BagOutput(const std::filesystem::path& target);

@@ -1,12 +1,16 @@
 #!/usr/bin/python3
 """Wiring of the live nodes: bad input is counted, map -> odom has one owner, nodes end in time."""
+import json
 import math
 import os
 import signal
 import subprocess
+import tempfile
 import time
 import unittest
+from pathlib import Path
 
+import rosgraph
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
@@ -136,6 +140,33 @@ class NodesTest(unittest.TestCase):
         self.assertEqual(node.returncode, 1, node.stdout)
         self.assertIn("motion_input", node.stdout)
         self.assertIn("landmark_rate_hz", node.stdout)
+
+    def test_killed_recorder_leaves_a_complete_folder(self):
+        with tempfile.TemporaryDirectory() as folder:
+            node = subprocess.Popen(
+                command("recorder", "__name:=recorder", "_output:=" + folder,
+                        "_save_period_s:=0.2"), preexec_fn=os.setsid)
+            self.wait_for(lambda: self.heard_by("recorder"), "the recorder")
+            for _ in range(40):  # 4 s by stamps: scans are written 2 s later, in order
+                self.robot.drive_with(self.robot.scan())
+            time.sleep(0.5)
+            os.killpg(node.pid, signal.SIGKILL)
+            node.wait()
+            summary = json.loads((Path(folder) / "summary.json").read_text())
+            trajectory = (Path(folder) / "trajectory.tum").read_text().splitlines()
+            self.assertGreater(summary["scans"], 20)
+            self.assertEqual(len(trajectory), summary["scans"])
+            self.assertIn("had not ended", " ".join(summary["notes"]))
+            for name in ("pose_covariance.csv", "health.csv"):
+                lines = (Path(folder) / name).read_text().splitlines()
+                self.assertEqual(len(lines), summary["scans"] + 1, name)
+            self.assertTrue((Path(folder) / "landmarks.csv").read_text().startswith("id,type"))
+
+    @staticmethod
+    def heard_by(node):
+        subscribers = rosgraph.Master("/nodes_test").getSystemState()[1]
+        topics = {topic for topic, nodes in subscribers if "/" + node in nodes}
+        return {"/cekf/pose", "/cekf/health", "/landmarks"} <= topics
 
     def test_nodes_end_within_two_seconds(self):
         for name in ("cekf_slam", "dead_reckoning", "supervisor"):

@@ -90,7 +90,7 @@ TEST(RunResults, NameTheFileThatIsMissing) {
   EXPECT_THAT(problemOf([&] { readRunResults(folder.path().string()); }), HasSubstr("events.csv"));
 }
 
-TEST(RunResults, SayThatARunWasInterrupted) {
+TEST(RunResults, LeaveOutWhatCameAfterTheSummary) {
   const test::TemporaryFolder folder;
   {
     ResultsWriter writer(folder.path().string());
@@ -98,7 +98,19 @@ TEST(RunResults, SayThatARunWasInterrupted) {
     writer.finish({}, {});
   }
   folder.write("trajectory.tum", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n");
-  EXPECT_THAT(problemOf([&] { readRunResults(folder.path().string()); }), HasSubstr("interrupted"));
+  EXPECT_THAT(readRunResults(folder.path().string()).poses, SizeIs(1));
+}
+
+TEST(RunResults, SayThatLinesAreMissing) {
+  const test::TemporaryFolder folder;
+  {
+    ResultsWriter writer(folder.path().string());
+    writer.addScan(scanAt(1.0));
+    writer.finish({}, {});
+  }
+  folder.write("trajectory.tum", "");
+  EXPECT_THAT(problemOf([&] { readRunResults(folder.path().string()); }),
+              AllOf(HasSubstr("0 poses"), HasSubstr("tells of 1")));
 }
 
 TEST(Fixes, AcfrRowsAreTimeNorthEast) {

@@ -1,18 +1,24 @@
 #include "pipeline/results_writer.h"
 
+#include <algorithm>
+#include <csignal>
 #include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
 #include "common/error.h"
+#include "evaluation/run_results.h"
 #include "support/temporary_folder.h"
 
 namespace hymm::core {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 ScanRecord scanAt(double time_s, double x_m) {
@@ -142,8 +148,58 @@ TEST(ResultsWriter, RemovesTheSummaryOfAnEarlierRun) {
 TEST(ResultsWriter, LinesReachTheDiskWhileTheRunGoesOn) {
   const test::TemporaryFolder folder;
   ResultsWriter writer(folder / "");
-  for (int i = 0; i < 1000; ++i) writer.addScan(scanAt(i, i));
-  EXPECT_GT(folder.read("trajectory.tum").size(), 10000u);
+  for (int i = 0; i < 20000; ++i) writer.addScan(scanAt(i, i));
+  const auto lines = [&](const char* name) {
+    const std::string text = folder.read(name);
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  EXPECT_GT(lines("trajectory.tum"), 10000);
+  EXPECT_EQ(lines("pose_covariance.csv"), lines("trajectory.tum") + 1);
+  EXPECT_EQ(lines("health.csv"), lines("trajectory.tum") + 1);
+}
+
+TEST(ResultsWriter, SavesACompleteFolderWhileTheRunGoesOn) {
+  const test::TemporaryFolder folder;
+  ResultsWriter writer(folder / "");
+  writer.addScan(scanAt(10.0, 1.0));
+  writer.save(oneLandmark(), totals());
+  writer.addScan(scanAt(11.0, 2.0));
+  const RunResults saved = readRunResults(folder / "");
+  EXPECT_EQ(saved.poses.size(), 1u);
+  EXPECT_EQ(saved.landmarks.size(), 1u);
+  EXPECT_THAT(folder.read("summary.json"), HasSubstr("it had not ended"));
+
+  writer.finish(oneLandmark(), totals());
+  EXPECT_EQ(readRunResults(folder / "").poses.size(), 2u);
+  EXPECT_THAT(folder.read("summary.json"), Not(HasSubstr("it had not ended")));
+}
+
+/// Adds and saves until it is killed.
+[[noreturn]] void recordForEver(const std::string& folder) {
+  ResultsWriter writer(folder);
+  for (int i = 0;; ++i) {
+    writer.addScan(scanAt(i, i));
+    writer.addGps({static_cast<double>(i), {1.0, 2.0}});
+    writer.save(oneLandmark(), totals());
+  }
+}
+
+TEST(ResultsWriter, AKillAtAnyMomentLeavesACompleteFolder) {
+  for (int attempt = 0; attempt < 30; ++attempt) {
+    const test::TemporaryFolder folder;
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) recordForEver(folder / "");
+    while (!std::filesystem::exists(folder / "summary.json")) usleep(100);
+    usleep(static_cast<useconds_t>(137 * attempt));  // so that each kill hits another moment
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    const RunResults results = readRunResults(folder / "");
+    EXPECT_EQ(results.landmarks.size(), 1u);
+    EXPECT_GE(results.poses.size(), 1u);
+    EXPECT_EQ(results.nis.size(), results.poses.size());
+    EXPECT_GE(results.gps.size(), results.poses.size());
+  }
 }
 
 TEST(ResultsWriter, TellsThatAFolderCannotBeWritten) {
