@@ -1,0 +1,21 @@
+#pragma once
+
+#include "benchmark/plain_names.h"
+
+namespace hymm::benchmarks {
+
+struct ScanOptions {
+  int scans = 700;          ///< over 20 area switches at 5 m/s
+  double live_speed = 2.0;  ///< pace of the scans, as a multiple of the live one; 0: at once
+};
+
+/// BM_ScanCompressedEkf, BM_ScanFullEkf.
+void registerScanBenchmarks(Registration& registration, const ScanOptions& options);
+
+/// BM_GlobalUpdate, BM_Dsyrk.
+void registerGlobalUpdateBenchmarks(Registration& registration);
+
+/// BM_Association, BM_AssociationByDensity.
+void registerAssociationBenchmarks(Registration& registration);
+
+}  // namespace hymm::benchmarks
