@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint32_t kUnbounded = 0;  // a record with holes would be worthless
 constexpr double kWriteDelay_s = 2.0;    // by stamps: what comes later than that is out of order
+constexpr double kModeWait_s = 5.0;      // by the wall, for the supervisor's first decision
 
 }  // namespace
 
@@ -25,7 +26,7 @@ RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConf
     : vehicle_(vehicle),
       writer_(config.output),
       gps_(vehicle.gps_antenna.T_base_sensor().position()),
-      mode_("CEKF"),
+      mode_(FilterStatus::INITIALISING),
       begin_wall_s_(steadyNow()) {
   const auto hints = ros::TransportHints().tcpNoDelay();
   subscribers_ = {
@@ -40,35 +41,26 @@ RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConf
 }
 
 void RecorderNode::takePose(const FilterPose& message) {
-  poses_.push_back(message);
-  pairUp();
+  pairing_.add(message);
+  addPairs();
 }
 
 void RecorderNode::takeHealth(const FilterHealth& message) {
-  healths_.push_back(message);
-  pairUp();
+  pairing_.add(message);
+  addPairs();
 }
 
-void RecorderNode::pairUp() {
-  while (!poses_.empty() && !healths_.empty()) {
-    const FilterPose& pose = poses_.front();
-    const FilterHealth& health = healths_.front();
-    if (pose.header.stamp == health.header.stamp) {
-      addScan(pose, health);
-      poses_.pop_front();
-      healths_.pop_front();
-    } else {  // joined in between the two
-      causes_.count("pose or health missing", "A pose came without its health, or the other way.");
-      if (pose.header.stamp < health.header.stamp) {
-        poses_.pop_front();
-      } else {
-        healths_.pop_front();
-      }
-    }
+void RecorderNode::addPairs() {
+  const std::size_t unpaired = pairing_.unpaired();
+  while (const std::optional<FilterAnswer> answer = pairing_.next()) addScan(*answer);
+  if (pairing_.unpaired() > unpaired) {
+    causes_.count("pose or health missing", "A pose came without its health, or the other way.");
   }
 }
 
-void RecorderNode::addScan(const FilterPose& pose, const FilterHealth& health) {
+void RecorderNode::addScan(const FilterAnswer& answer) {
+  const FilterPose& pose = answer.pose;
+  const FilterHealth& health = answer.health;
   if (!last_health_) begin_wall_s_ = steadyNow();
   const double time_s = pose.header.stamp.toSec();
   if (last_health_ && health.resets != last_health_->resets) {
@@ -77,8 +69,8 @@ void RecorderNode::addScan(const FilterPose& pose, const FilterHealth& health) {
                                : "the filter was reset; a new map begins");
   }
   last_health_ = health;
-  scans_.emplace(time_s, core::ScanRecord{fromMessage(pose), fromMessage(health), mode_});
-  write(time_s - kWriteDelay_s);
+  scans_.emplace(time_s, core::ScanRecord{fromMessage(pose), fromMessage(health), ""});
+  if (!isWaitingForMode()) write(time_s - kWriteDelay_s);
 }
 
 void RecorderNode::beginAnew(double time_s, const std::string& reason) {
@@ -95,12 +87,28 @@ void RecorderNode::write(double up_to_s) {
       writer_.addGps(fixes_.begin()->second);
       fixes_.erase(fixes_.begin());
     } else if (!fix_is_next && !scans_.empty() && scans_.begin()->first <= up_to_s) {
-      writer_.addScan(scans_.begin()->second);
+      writeScan(scans_.begin()->second);
       scans_.erase(scans_.begin());
     } else {
       return;
     }
   }
+}
+
+/// The supervisor decides a little after the scan; its decision bears the scan's stamp.
+void RecorderNode::writeScan(core::ScanRecord scan) {
+  while (!statuses_.empty() && statuses_.front().header.stamp.toSec() <= scan.pose.time_s) {
+    const FilterStatus& status = statuses_.front();
+    mode_ = status.mode;
+    writer_.addModeSwitch(status.header.stamp.toSec(), mode_, status.reason);
+    statuses_.pop_front();
+  }
+  scan.mode = mode_;
+  writer_.addScan(scan);
+}
+
+bool RecorderNode::isWaitingForMode() const {
+  return mode_ == FilterStatus::INITIALISING && steadyNow() - begin_wall_s_ < kModeWait_s;
 }
 
 void RecorderNode::takeMap(const LandmarkMap& message) { landmarks_.take(fromMessage(message)); }
@@ -121,9 +129,10 @@ void RecorderNode::takeGps(const sensor_msgs::NavSatFix& message) {
 }
 
 void RecorderNode::takeStatus(const FilterStatus& message) {
-  if (message.mode == FilterStatus::INITIALISING || message.mode == mode_) return;
-  mode_ = message.mode;
-  writer_.addModeSwitch(message.header.stamp.toSec(), message.mode, message.reason);
+  if (message.mode == FilterStatus::INITIALISING) return;
+  if (mode_ == FilterStatus::INITIALISING) mode_ = message.mode;  // the first one is no switch
+  const std::string& newest = statuses_.empty() ? mode_ : statuses_.back().mode;
+  if (message.mode != newest) statuses_.push_back(message);
 }
 
 core::RunTotals RecorderNode::totals() const {
@@ -135,7 +144,8 @@ core::RunTotals RecorderNode::totals() const {
   totals.cpu_s = last_health_->process_cpu_s;
   totals.peak_rss_mb = last_health_->peak_rss_mb;
   totals.subsystem_cpu_s = {{"perception", last_health_->perception_cpu_s},
-                            {"cekf", last_health_->filter_cpu_s}};
+                            {"filter", last_health_->filter_cpu_s}};
+  totals.addOtherCpu();
   totals.dropped_scans =
       static_cast<std::size_t>(last_health_->dropped_scans + last_health_->refused_scans);
   totals.observations = static_cast<std::size_t>(last_health_->observations);

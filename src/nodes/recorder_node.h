@@ -15,6 +15,7 @@
 
 #include "pipeline/results_writer.h"
 #include "ros/cause_log.h"
+#include "ros/filter_pairing.h"
 #include "ros/gps_converter.h"
 #include "ros/landmark_mirror.h"
 #include "vehicle/vehicle_config.h"
@@ -48,10 +49,12 @@ class RecorderNode {
   void takeGps(const sensor_msgs::NavSatFix& message);
   void takeStatus(const FilterStatus& message);
 
-  void pairUp();
-  void addScan(const FilterPose& pose, const FilterHealth& health);
+  void addPairs();
+  void addScan(const FilterAnswer& answer);
   void beginAnew(double time_s, const std::string& reason);
   void write(double up_to_s);
+  void writeScan(core::ScanRecord scan);
+  bool isWaitingForMode() const;
   void save();
   core::RunTotals totals() const;
 
@@ -60,9 +63,9 @@ class RecorderNode {
   CauseLog causes_;
   GpsConverter gps_;
   LandmarkMirror landmarks_;
-  std::string mode_;
-  std::deque<FilterPose> poses_;                   ///< whose health has not come
-  std::deque<FilterHealth> healths_;               ///< whose pose has not come
+  std::string mode_;                   ///< of the last scan that was written
+  std::deque<FilterStatus> statuses_;  ///< that switched it later, as they came
+  FilterPairing pairing_;
   std::multimap<double, core::ScanRecord> scans_;  ///< by stamp, to be written
   std::multimap<double, core::GpsFix> fixes_;      ///< by stamp, to be written
   std::optional<FilterHealth> last_health_;

@@ -4,6 +4,7 @@
 
 #include <hymm/FilterStatus.h>
 
+#include "ros/filter_conversions.h"
 #include "ros/pose_conversions.h"
 #include "ros/steady_time.h"
 
@@ -47,31 +48,44 @@ SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
       [this](const ros::SteadyTimerEvent&) { diagnostics_.force_update(); });
   timer_ = handle_.createSteadyTimer(ros::WallDuration(1.0 / config.tf_rate_hz),
                                      [this](const ros::SteadyTimerEvent&) { tick(); });
-  decide();
+  decide(ros::Time::now());
 }
 
 void SupervisorNode::takePose(const FilterPose& message) {
-  if (message.header.stamp < pose_stamp_) beginAnew();
-  pose_stamp_ = message.header.stamp;
-  pose_wall_s_ = steadyNow();
-  ++poses_;
-  geometry_msgs::PoseWithCovarianceStamped pose;
-  pose.header = message.header;
-  pose.pose = message.pose;
-  pose_publisher_.publish(pose);
-  const core::Pose2 T_map_base = fromMessage(message.pose.pose);
-  trajectory_.add(message.header.stamp, T_map_base);
-  gps_.addPose(message.header.stamp.toSec(), T_map_base);
-  map_odom_.setPose(message.header.stamp, T_map_base, *pose_wall_s_);
-  decide();
+  pairing_.add(message);
+  processPairs();
 }
 
 void SupervisorNode::takeHealth(const FilterHealth& message) {
-  evidence_.nis = message.nis;
-  evidence_.dof = static_cast<int>(message.dof);
-  evidence_.ambiguity = message.ambiguity;
-  evidence_.unexplained = message.unexplained;
-  evidence_.missed = message.missed;
+  pairing_.add(message);
+  processPairs();
+}
+
+void SupervisorNode::processPairs() {
+  while (const std::optional<FilterAnswer> answer = pairing_.next()) process(*answer);
+}
+
+void SupervisorNode::process(const FilterAnswer& answer) {
+  const std_msgs::Header& header = answer.pose.header;
+  if (header.stamp < pose_stamp_) {
+    beginRecording();
+  } else if (resets_ && answer.health.resets != *resets_) {
+    beginMap();
+  }
+  resets_ = answer.health.resets;
+  pose_stamp_ = header.stamp;
+  pose_wall_s_ = steadyNow();
+  ++poses_;
+  geometry_msgs::PoseWithCovarianceStamped pose;
+  pose.header = header;
+  pose.pose = answer.pose.pose;
+  pose_publisher_.publish(pose);
+  const core::Pose2 T_map_base = fromMessage(answer.pose.pose.pose);
+  trajectory_.add(header.stamp, T_map_base);
+  gps_.addPose(header.stamp.toSec(), T_map_base);
+  map_odom_.setPose(header.stamp, T_map_base, *pose_wall_s_);
+  evidence_ = core::evidenceAtScan(fromMessage(answer.health));
+  decide(header.stamp);
 }
 
 void SupervisorNode::takeOdometry(const nav_msgs::Odometry& message) {
@@ -90,13 +104,13 @@ void SupervisorNode::takeInitialPose(const geometry_msgs::PoseWithCovarianceStam
                 "relocaliser, which is not running. To begin a new map here, call 'reset'. " +
                 decision_.reason;
   ROS_WARN_STREAM(told.reason);
-  publishStatus(told);
+  publishStatus(told, ros::Time::now());
 }
 
 void SupervisorNode::tick() {
   const double now_s = steadyNow();
   map_odom_.broadcast(ros::Time::now(), now_s);
-  decide();
+  decide(ros::Time::now());
   const bool due = now_s - trajectory_sent_s_ >= 1.0 / config_.trajectory_rate_hz;
   if (!due || trajectory_.message().poses.size() == trajectory_sent_poses_) return;
   publishPaths();
@@ -110,7 +124,7 @@ void SupervisorNode::publishPaths() {
   if (gps_.count() > 0) gps_publisher_.publish(gps_.marker());
 }
 
-void SupervisorNode::decide() {
+void SupervisorNode::decide(const ros::Time& stamp) {
   if (pose_wall_s_) evidence_.pose_age_s = steadyNow() - *pose_wall_s_;
   evidence_.odometry_problem = map_odom_.problem();
   evidence_.odometry_known = evidence_.odometry_problem.empty();
@@ -119,12 +133,13 @@ void SupervisorNode::decide() {
                     next.silent != decision_.silent ||
                     next.without_odometry != decision_.without_odometry;
   decision_ = next;
-  if (tell) publishStatus(decision_);
+  if (tell) publishStatus(decision_, stamp);
 }
 
-void SupervisorNode::publishStatus(const core::SupervisorDecision& decision) {
+void SupervisorNode::publishStatus(const core::SupervisorDecision& decision,
+                                   const ros::Time& stamp) {
   FilterStatus message;
-  message.header.stamp = ros::Time::now();
+  message.header.stamp = stamp;
   message.mode = core::nameOf(decision.mode);
   message.reason = decision.reason;
   for (const core::EvidenceFigure& figure : decision.figures) {
@@ -138,10 +153,14 @@ void SupervisorNode::publishStatus(const core::SupervisorDecision& decision) {
   status_sent_ = true;
 }
 
-void SupervisorNode::beginAnew() {
+void SupervisorNode::beginRecording() {
   ROS_WARN("The poses' time stamps ran back: another recording begins.");
   tf_.clear();
   map_odom_.reset();
+  beginMap();
+}
+
+void SupervisorNode::beginMap() {
   trajectory_.clear();
   dead_reckoning_.clear();
   gps_.clear();

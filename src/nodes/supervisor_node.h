@@ -12,6 +12,7 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
+#include "ros/filter_pairing.h"
 #include "ros/gps_overlay.h"
 #include "ros/map_odom_broadcaster.h"
 #include "ros/trajectory_path.h"
@@ -29,22 +30,27 @@ class SupervisorNode {
  private:
   void takePose(const FilterPose& message);
   void takeHealth(const FilterHealth& message);
+  void processPairs();
+  void process(const FilterAnswer& answer);
   void takeOdometry(const nav_msgs::Odometry& message);
   void takeGps(const sensor_msgs::NavSatFix& message);
   void takeInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   void tick();
   void publishPaths();
-  void decide();
-  void publishStatus(const core::SupervisorDecision& decision);
-  void beginAnew();
+  void decide(const ros::Time& stamp);
+  void publishStatus(const core::SupervisorDecision& decision, const ros::Time& stamp);
+  void beginRecording();
+  void beginMap();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   core::SupervisorConfig config_;
   core::SupervisorDecision decision_;
   core::SupervisorEvidence evidence_;
+  FilterPairing pairing_;
   bool status_sent_ = false;
   std::optional<double> pose_wall_s_;
   ros::Time pose_stamp_;
+  std::optional<std::uint64_t> resets_;  ///< of the filter, as of its last health
   std::size_t poses_ = 0;
   std::size_t initial_poses_refused_ = 0;
   double trajectory_sent_s_ = 0.0;

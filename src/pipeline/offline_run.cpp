@@ -6,9 +6,6 @@
 namespace hymm::core {
 namespace {
 
-// There is one filter so far, and it is always in charge.
-constexpr const char* kMode = "CEKF";
-
 bool isScan(const SensorEvent& event) {
   return std::holds_alternative<ScanEvent>(event) || std::holds_alternative<ObservationSet>(event);
 }
@@ -47,10 +44,20 @@ void OfflineRun::processReleased(const SensorEvent& event) {
   const std::optional<ScanOutcome> outcome = filter_.process(event);
   if (!outcome) return;
   if (outcome->accepted) {
-    results_.addScan({outcome->pose, outcome->health, kMode});
+    supervise(*outcome);
+    results_.addScan({outcome->pose, outcome->health, nameOf(mode_)});
   } else {
     ++incidents_["scans refused: " + outcome->reason];
   }
+}
+
+void OfflineRun::supervise(const ScanOutcome& outcome) {
+  const SupervisorDecision decision =
+      computeDecision(mode_, evidenceAtScan(outcome.health), config_.supervisor);
+  if (isModeSwitch(mode_, decision.mode)) {
+    results_.addModeSwitch(outcome.pose.time_s, nameOf(decision.mode), decision.reason);
+  }
+  mode_ = decision.mode;
 }
 
 std::map<std::string, std::size_t> OfflineRun::incidents() const {

@@ -8,6 +8,7 @@
 #include "pipeline/results_writer.h"
 #include "pipeline/sensor_merger.h"
 #include "pipeline/suite_config.h"
+#include "supervisor/supervisor_decision.h"
 
 namespace hymm::core {
 
@@ -42,11 +43,13 @@ class OfflineRun {
 
  private:
   void processReleased(const SensorEvent& event);
+  void supervise(const ScanOutcome& outcome);
 
   SuiteConfig config_;
   ResultsWriter& results_;
   SensorMerger merger_;
   CekfSlam filter_;
+  FilterMode mode_ = FilterMode::kInitialising;
   std::size_t scans_in_ = 0;
   std::map<std::string, std::size_t> incidents_;
 };

@@ -1,5 +1,6 @@
 #include "pipeline/results_writer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -80,6 +81,12 @@ fs::path prepared(const std::string& folder) {
 }
 
 }  // namespace
+
+void RunTotals::addOtherCpu() {
+  double other_s = cpu_s;
+  for (const auto& subsystem : subsystem_cpu_s) other_s -= subsystem.second;
+  subsystem_cpu_s["other"] = std::max(0.0, other_s);
+}
 
 ResultsWriter::ResultsWriter(const std::string& folder)
     : folder_(prepared(folder)),

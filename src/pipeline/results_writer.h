@@ -37,6 +37,9 @@ struct RunTotals {
   std::optional<Eigen::Vector2d> gps_antenna_m;  ///< place in base_link, for hymm_evaluate
   std::size_t seed = 0;
   std::vector<std::string> notes;  ///< sentences about the input that whoever reads should know
+
+  /// Adds what cpu_s holds beyond the subsystems as the subsystem `other`.
+  void addOtherCpu();
 };
 
 /// Writes the folder of results that `hymm_offline --output DIR` and `playback.launch output:=DIR`

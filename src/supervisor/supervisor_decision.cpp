@@ -54,6 +54,17 @@ void SupervisorConfig::describe(ConfigSchema& schema) {
                  "beyond that many, every other pose of `trajectory` is left out");
 }
 
+SupervisorEvidence evidenceAtScan(const FilterHealth& health) {
+  SupervisorEvidence evidence;
+  evidence.pose_age_s = 0.0;
+  evidence.nis = health.nis;
+  evidence.dof = health.dof;
+  evidence.ambiguity = health.ambiguity;
+  evidence.unexplained = health.unexplained;
+  evidence.missed = health.missed;
+  return evidence;
+}
+
 SupervisorDecision computeDecision(FilterMode mode, const SupervisorEvidence& evidence,
                                    const SupervisorConfig& config) {
   SupervisorDecision decision;
@@ -69,6 +80,10 @@ SupervisorDecision computeDecision(FilterMode mode, const SupervisorEvidence& ev
                         {"missed", evidence.missed, {}}};
   }
   return decision;
+}
+
+bool isModeSwitch(FilterMode before, FilterMode after) {
+  return after != before && before != FilterMode::kInitialising;
 }
 
 }  // namespace hymm::core

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cekf/cekf_slam.h"
 #include "common/config.h"
 
 namespace hymm::core {
@@ -39,6 +40,9 @@ struct SupervisorEvidence {
   std::string odometry_problem;  ///< if not: what tf says
 };
 
+/// The evidence at the moment in which the CEKF has taken a scan.
+SupervisorEvidence evidenceAtScan(const FilterHealth& health);
+
 /// One figure that a decision rests on, as it is told.
 struct EvidenceFigure {
   std::string name;
@@ -58,5 +62,8 @@ struct SupervisorDecision {
 /// filter to choose from, the health figures are told but decide nothing yet.
 SupervisorDecision computeDecision(FilterMode mode, const SupervisorEvidence& evidence,
                                    const SupervisorConfig& config);
+
+/// Whether the mode was switched: that a run begins in its first mode is no switch.
+bool isModeSwitch(FilterMode before, FilterMode after);
 
 }  // namespace hymm::core

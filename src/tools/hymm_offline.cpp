@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <string>
@@ -99,9 +98,7 @@ void runOffline(const Options& options) {
   const ProcessUsage usage = processUsage();
   totals.peak_rss_mb = usage.peak_rss_mb;
   totals.cpu_s = usage.cpu_s;
-  double other_s = totals.cpu_s;
-  for (const auto& subsystem : totals.subsystem_cpu_s) other_s -= subsystem.second;
-  totals.subsystem_cpu_s["other"] = std::max(0.0, other_s);
+  totals.addOtherCpu();
   totals.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   results.finish(offline.landmarkMap(), totals);
 }

@@ -55,11 +55,22 @@ class Playback(unittest.TestCase):
                          for kind in ("live", "offline"))
         self.assertEqual(offline["scans"], scans)
         self.assertGreater(offline["landmarks"], 3)
-        for key in ("scans", "landmarks", "observations", "associated", "rejected"):
+        for key in ("scans", "landmarks", "observations", "associated", "rejected",
+                    "mode_switches"):
             self.assertEqual(live[key], offline[key], key)
         self.assertEqual(live["dropped_scans"], 0)
+        self.assertEqual(live["subsystem_cpu_s"].keys(), offline["subsystem_cpu_s"].keys())
         self.expect_close("trajectory.tum", " ", columns=8)
         self.expect_close("landmarks.csv", ",", columns=9)
+        self.expect_same_modes()
+
+    def expect_same_modes(self):
+        modes = [[row[-1] for row in read_table(self.path / kind / "health.csv")]
+                 for kind in ("live", "offline")]
+        self.assertEqual(modes[0], modes[1])
+        self.assertEqual(set(modes[0]), {"mode", "CEKF"})
+        events = [read_table(self.path / kind / "events.csv") for kind in ("live", "offline")]
+        self.assertEqual(events[0], events[1])
 
     def expect_close(self, name, delimiter, columns):
         live, offline = (read_table(self.path / kind / name, delimiter)

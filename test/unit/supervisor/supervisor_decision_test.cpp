@@ -5,6 +5,9 @@
 namespace hymm::core {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::Field;
 using ::testing::HasSubstr;
 
 TEST(SupervisorDecision, InitialisesUntilTheFilterGivesAPose) {
@@ -38,6 +41,30 @@ TEST(SupervisorDecision, NamesWhatTfLacks) {
   const SupervisorDecision decision = computeDecision(FilterMode::kCekf, evidence, {});
   EXPECT_TRUE(decision.without_odometry);
   EXPECT_THAT(decision.reason, HasSubstr("no 'odom' -> 'base_link'"));
+}
+
+TEST(SupervisorDecision, TakesTheFiguresOfTheScanAsEvidence) {
+  FilterHealth health;
+  health.nis = 12.0;
+  health.dof = 8;
+  health.ambiguity = 0.1;
+  health.unexplained = 0.2;
+  health.missed = 0.3;
+  const SupervisorDecision decision =
+      computeDecision(FilterMode::kInitialising, evidenceAtScan(health), {});
+  EXPECT_EQ(decision.mode, FilterMode::kCekf);
+  const auto figure = [](const char* name, double value) {
+    return AllOf(Field(&EvidenceFigure::name, name), Field(&EvidenceFigure::value, value));
+  };
+  EXPECT_THAT(decision.figures, ElementsAre(figure("pose_age_s", 0.0), figure("nis_per_dof", 1.5),
+                                            figure("ambiguity", 0.1), figure("unexplained", 0.2),
+                                            figure("missed", 0.3)));
+}
+
+TEST(SupervisorDecision, BeginningIsNoSwitch) {
+  EXPECT_FALSE(isModeSwitch(FilterMode::kInitialising, FilterMode::kCekf));
+  EXPECT_FALSE(isModeSwitch(FilterMode::kCekf, FilterMode::kCekf));
+  EXPECT_TRUE(isModeSwitch(FilterMode::kCekf, FilterMode::kRelocalising));
 }
 
 }  // namespace
