@@ -15,7 +15,9 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
-from hymm.msg import DeadReckoning, FilterPose
+from hymm.msg import DeadReckoning, FilterPose, LandmarkMap
+from hymm.srv import Pause, Reset
+from nav_msgs.msg import Path as RosPath
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
 
@@ -43,7 +45,8 @@ class Robot:
         while self.motion.get_num_connections() < 2 or self.scans.get_num_connections() < 1:
             time.sleep(0.05)
 
-    def scan(self, frame="laser"):
+    def scan(self, frame="laser", poles=()):
+        """Nothing in sight, or poles 0.5 m thick at places (x, y) in the laser's frame."""
         message = LaserScan()
         message.header.stamp = rospy.Time.from_sec(self.time_s)
         message.header.frame_id = frame
@@ -52,7 +55,18 @@ class Robot:
         message.angle_max = math.pi / 2
         message.range_max = 80.0
         message.ranges = [float("inf")] * BEAMS
+        for x, y in poles:
+            self.add_pole(message, x, y)
         return message
+
+    @staticmethod
+    def add_pole(message, x, y, radius=0.25):
+        for beam in range(BEAMS):
+            bearing = message.angle_min + beam * message.angle_increment
+            along = x * math.cos(bearing) + y * math.sin(bearing)
+            off = abs(y * math.cos(bearing) - x * math.sin(bearing))
+            if along > 0.0 and off < radius:
+                message.ranges[beam] = along - math.sqrt(radius ** 2 - off ** 2)
 
     def drive(self):
         """One step of motion; the scan before it can then be processed."""
@@ -73,7 +87,10 @@ class NodesTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("nodes_test")
-        cls.poses, cls.status, cls.owners = [], {}, set()
+        cls.poses, cls.maps, cls.paths, cls.map_odom_walls = [], [], [], []
+        cls.status, cls.messages, cls.owners = {}, {}, set()
+        rospy.Subscriber("landmarks", LandmarkMap, cls.maps.append)
+        rospy.Subscriber("trajectory", RosPath, cls.paths.append)
         rospy.Subscriber("cekf/pose", FilterPose, cls.poses.append)
         rospy.Subscriber("/diagnostics", DiagnosticArray, cls.diagnose)
         rospy.Subscriber("/tf", TFMessage, cls.watch)
@@ -82,6 +99,7 @@ class NodesTest(unittest.TestCase):
     @classmethod
     def diagnose(cls, message):
         for status in message.status:
+            cls.messages[status.name] = status.message
             cls.status[status.name] = {item.key: item.value for item in status.values}
 
     @classmethod
@@ -89,6 +107,7 @@ class NodesTest(unittest.TestCase):
         for transform in message.transforms:
             if transform.child_frame_id == "odom":
                 cls.owners.add(message._connection_header["callerid"])
+                cls.map_odom_walls.append(time.time())
 
     def wait_for(self, condition, what):
         deadline = time.time() + 10.0
@@ -114,6 +133,62 @@ class NodesTest(unittest.TestCase):
         self.wait_for(lambda: len(self.poses) > before, "a pose after bad scans")
         self.wait_for(lambda: int(self.status.get("cekf_slam: filter", {}).get("scans refused", 0)) >= 1,
                       "a refused scan in /diagnostics")
+
+    def call(self, name, kind, **request):
+        rospy.wait_for_service(name, timeout=10)
+        response = rospy.ServiceProxy(name, kind)(**request)
+        self.assertTrue(response.success, response.message)
+        self.assertTrue(response.message)
+
+    def expect_map_odom_goes_on(self, during):
+        """No gap in map -> odom while `during` is done."""
+        begin = time.time()
+        during()
+        stamps = [begin] + [t for t in self.map_odom_walls if t > begin] + [time.time()]
+        self.assertGreater(len(stamps), 5)
+        self.assertLess(max(b - a for a, b in zip(stamps, stamps[1:])), 0.5)
+
+    def test_pause_stops_the_filter_but_not_map_odom(self):
+        self.robot.drive_with(self.robot.scan())
+        self.wait_for(lambda: self.owners, "map -> odom")
+        self.call("pause", Pause, pause=True)
+        time.sleep(0.5)
+        poses = len(self.poses)
+
+        def drive_paused():
+            for _ in range(10):
+                self.robot.drive_with(self.robot.scan())
+            self.wait_for(lambda: self.messages.get("cekf_slam: inputs") and
+                          "Paused" in self.messages["cekf_slam: inputs"], "'Paused'")
+
+        self.expect_map_odom_goes_on(drive_paused)
+        self.assertEqual(len(self.poses), poses)
+        self.assertGreaterEqual(int(self.status["cekf_slam: inputs"]["paused"]), 20)
+        self.call("pause", Pause, pause=False)
+        self.robot.drive_with(self.robot.scan())
+        self.wait_for(lambda: len(self.poses) > poses, "a pose after the pause")
+
+    def test_reset_begins_a_new_map_where_the_vehicle_stands(self):
+        begin_s = self.robot.time_s
+        for _ in range(20):
+            driven = self.robot.time_s - begin_s  # at 1 m/s
+            poles = [(12.0 - driven, 5.0), (15.0 - driven, -6.0), (20.0 - driven, 4.0)]
+            self.robot.drive_with(self.robot.scan(poles=poles))
+        self.wait_for(lambda: self.poses and self.maps and self.maps[-1].landmarks, "landmarks")
+        self.wait_for(lambda: self.poses[-1].pose.pose.position.x > 1.5, "a way driven")
+        version, poses = self.maps[-1].version, len(self.poses)
+
+        def reset_and_drive():
+            self.call("reset", Reset)
+            self.wait_for(lambda: not self.maps[-1].landmarks, "an empty map")
+            self.robot.drive_with(self.robot.scan())
+            self.wait_for(lambda: len(self.poses) > poses, "a pose after the reset")
+
+        self.expect_map_odom_goes_on(reset_and_drive)
+        self.assertGreater(self.maps[-1].version, version)
+        self.assertLess(abs(self.poses[-1].pose.pose.position.x), 0.5)
+        # The way before the reset was in another map.
+        self.wait_for(lambda: self.paths and len(self.paths[-1].poses) <= 2, "a new trajectory")
 
     def test_map_odom_has_one_owner(self):
         for _ in range(5):
