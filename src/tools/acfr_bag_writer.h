@@ -1,10 +1,9 @@
 #pragma once
 
-#include <GeographicLib/LocalCartesian.hpp>
 #include <rosbag/bag.h>
 
 #include "datasets/acfr_recording.h"
-#include "vehicle/dead_reckoning.h"
+#include "tools/vehicle_bag.h"
 #include "vehicle/vehicle_config.h"
 
 namespace hymm {
@@ -30,8 +29,8 @@ class AcfrBagWriter {
   AcfrBagWriter(rosbag::Bag& bag, const core::VehicleConfig& vehicle, const GpsAssumptions& gps);
 
   /// What holds for the whole recording, stamped `time_s`, before the first event.
-  void writeMountings(double time_s);
-  void writeGpsOrigin(double time_s);
+  void writeMountings(double time_s) { vehicle_bag_.writeMountings(time_s); }
+  void writeGpsOrigin(double time_s) { vehicle_bag_.writeGpsOrigin(time_s); }
 
   void write(const core::LaserScan& scan);
   /// Odometry and its transform are left out where the clock stands still or runs back.
@@ -40,11 +39,11 @@ class AcfrBagWriter {
 
  private:
   ros::Time nextBagTime(const ros::Time& stamp);
+
   rosbag::Bag& bag_;
   core::VehicleConfig vehicle_;
   GpsAssumptions gps_;
-  GeographicLib::LocalCartesian local_frame_;
-  core::DeadReckoning dead_reckoning_;
+  VehicleBag vehicle_bag_;
   ros::Time last_bag_time_;
 };
 

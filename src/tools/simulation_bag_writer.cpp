@@ -3,17 +3,9 @@
 #include <algorithm>
 
 #include <geometry_msgs/PoseStamped.h>
-#include <geometry_msgs/TransformStamped.h>
-#include <hymm/DeadReckoning.h>
 #include <hymm/LandmarkMap.h>
-#include <hymm/LandmarkObservations.h>
 #include <nav_msgs/OccupancyGrid.h>
-#include <nav_msgs/Odometry.h>
-#include <sensor_msgs/LaserScan.h>
-#include <sensor_msgs/NavSatFix.h>
-#include <tf2_msgs/TFMessage.h>
 
-#include "ros/odometry_conversions.h"
 #include "ros/pose_conversions.h"
 #include "ros/sensor_conversions.h"
 #include "tools/latched_message.h"
@@ -23,51 +15,18 @@ namespace {
 
 constexpr char kWriter[] = "simulate_world";
 constexpr char kMapFrame[] = "map";
-constexpr double kHeightVariance_m2 = 1e4;  // the simulation is planar
 constexpr std::int8_t kOccupied = 100, kFree = 0;
-
-geometry_msgs::TransformStamped mountingMessage(const core::SensorMounting& mounting,
-                                                const std::string& base_frame,
-                                                const std::string& sensor_frame,
-                                                const ros::Time& stamp) {
-  geometry_msgs::TransformStamped message;
-  message.header.stamp = stamp;
-  message.header.frame_id = base_frame;
-  message.child_frame_id = sensor_frame;
-  message.transform = toTransformMessage(mounting.T_base_sensor());
-  return message;
-}
 
 }  // namespace
 
 SimulationBagWriter::SimulationBagWriter(rosbag::Bag& bag, const core::SimulationConfig& config,
                                          const core::VehicleConfig& vehicle)
     : bag_(bag),
-      config_(config),
       vehicle_(vehicle),
-      local_frame_(config.gps.origin_latitude_deg, config.gps.origin_longitude_deg,
-                   config.gps.origin_altitude_m),
-      dead_reckoning_(vehicle) {}
-
-void SimulationBagWriter::writeMountings(double time_s) {
-  const ros::Time stamp(time_s);
-  tf2_msgs::TFMessage mountings;
-  mountings.transforms = {
-      mountingMessage(vehicle_.laser, vehicle_.base_frame, vehicle_.laser_frame, stamp),
-      mountingMessage(vehicle_.gps_antenna, vehicle_.base_frame, vehicle_.gps_frame, stamp)};
-  writeLatched(bag_, "/tf_static", stamp, mountings, kWriter);
-}
-
-void SimulationBagWriter::writeGpsOrigin(double time_s) {
-  sensor_msgs::NavSatFix origin;
-  origin.header.stamp = ros::Time(time_s);
-  origin.header.frame_id = vehicle_.gps_frame;
-  origin.status.status = sensor_msgs::NavSatStatus::STATUS_NO_FIX;  // agreed upon, not measured
-  origin.latitude = config_.gps.origin_latitude_deg;
-  origin.longitude = config_.gps.origin_longitude_deg;
-  origin.altitude = config_.gps.origin_altitude_m;
-  writeLatched(bag_, "/gps/origin", origin.header.stamp, origin, kWriter);
-}
+      vehicle_bag_(bag, vehicle,
+                   {config.gps.origin_latitude_deg, config.gps.origin_longitude_deg,
+                    config.gps.origin_altitude_m},
+                   kWriter) {}
 
 void SimulationBagWriter::writeLandmarks(const std::vector<core::TrueLandmark>& landmarks,
                                          double time_s) {
@@ -114,11 +73,7 @@ void SimulationBagWriter::write(const core::MotionInput& input) {
   if (const auto* encoders = std::get_if<core::AckermannInput>(&input)) {
     bag_.write("/dead_reckoning", stamp, toMessage(*encoders, vehicle_.base_frame));
   }
-  if (!dead_reckoning_.process(input)) return;
-  bag_.write("/odom", stamp, odometryMessage(dead_reckoning_, vehicle_));
-  tf2_msgs::TFMessage transforms;
-  transforms.transforms = {odometryTransform(dead_reckoning_, vehicle_)};
-  bag_.write("/tf", stamp, transforms);
+  vehicle_bag_.writeOdometry(input, stamp);
 }
 
 void SimulationBagWriter::write(const core::ScanEvent& event) {
@@ -130,17 +85,11 @@ void SimulationBagWriter::write(const core::ObservationSet& set) {
 }
 
 void SimulationBagWriter::write(const core::GpsFix& fix) {
-  sensor_msgs::NavSatFix message;
-  message.header.stamp = ros::Time(fix.time_s);
-  message.header.frame_id = vehicle_.gps_frame;
-  message.status.status = sensor_msgs::NavSatStatus::STATUS_FIX;
-  message.status.service = sensor_msgs::NavSatStatus::SERVICE_GPS;
-  local_frame_.Reverse(fix.position.x(), fix.position.y(), 0.0, message.latitude, message.longitude,
-                       message.altitude);
+  sensor_msgs::NavSatFix message =
+      vehicle_bag_.fixAt(ros::Time(fix.time_s), fix.position.x(), fix.position.y());
   message.position_covariance[0] = fix.covariance(0, 0);
   message.position_covariance[1] = message.position_covariance[3] = fix.covariance(0, 1);
   message.position_covariance[4] = fix.covariance(1, 1);
-  message.position_covariance[8] = kHeightVariance_m2;
   message.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_KNOWN;
   bag_.write("/gps/fix", message.header.stamp, message);
 }

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <GeographicLib/LocalCartesian.hpp>
 #include <rosbag/bag.h>
 
 #include "simulation/simulation.h"
-#include "vehicle/dead_reckoning.h"
+#include "tools/vehicle_bag.h"
 
 namespace hymm {
 
@@ -18,8 +17,8 @@ class SimulationBagWriter {
                       const core::VehicleConfig& vehicle);
 
   /// What holds for the whole recording, before the first event.
-  void writeMountings(double time_s);
-  void writeGpsOrigin(double time_s);
+  void writeMountings(double time_s) { vehicle_bag_.writeMountings(time_s); }
+  void writeGpsOrigin(double time_s) { vehicle_bag_.writeGpsOrigin(time_s); }
   void writeLandmarks(const std::vector<core::TrueLandmark>& landmarks, double time_s);
   void writeOccupancy(const core::TrueOccupancy& occupancy, double time_s);
 
@@ -34,10 +33,8 @@ class SimulationBagWriter {
   void writePose(const core::Pose2& T_map_base, double time_s);
 
   rosbag::Bag& bag_;
-  core::SimulationConfig config_;
   core::VehicleConfig vehicle_;
-  GeographicLib::LocalCartesian local_frame_;
-  core::DeadReckoning dead_reckoning_;
+  VehicleBag vehicle_bag_;
 };
 
 }  // namespace hymm
