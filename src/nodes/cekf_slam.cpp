@@ -7,7 +7,7 @@ int main(int argc, char** argv) {
     hymm::core::ConfigReport report;
     hymm::core::CekfSlamConfig config;
     hymm::readParameters(private_handle, config, report);
-    const hymm::VehicleParameters vehicle = hymm::readVehicle(private_handle, report);
+    const hymm::core::VehicleDescription vehicle = hymm::readVehicle(private_handle, report);
     hymm::tellOrThrow(report);
     const hymm::CekfSlamNode node(config, vehicle);
     ros::spin();

@@ -13,7 +13,7 @@ constexpr std::size_t kQueueCapacity = 20000;  // over a minute of a car's senso
 constexpr double kSilence_s = 1.0;             // without scans: time to send what is held back
 constexpr auto kPatience = std::chrono::milliseconds(10);
 
-std::optional<core::Pose2> laserFallback(const VehicleParameters& vehicle) {
+std::optional<core::Pose2> laserFallback(const core::VehicleDescription& vehicle) {
   if (!vehicle.tells_laser) return std::nullopt;
   return vehicle.config.laser.T_base_sensor();
 }
@@ -27,7 +27,8 @@ std::string causeOf(const std::string& reason) {
 
 }  // namespace
 
-CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config, const VehicleParameters& vehicle)
+CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
+                           const core::VehicleDescription& vehicle)
     : tf_listener_(tf_),
       filter_(config, vehicle.config),
       merger_(config.merger),

@@ -28,7 +28,7 @@ namespace hymm {
 class CekfSlamNode {
  public:
   /// Throws ConfigError if the parameters are unusable.
-  CekfSlamNode(const core::CekfSlamConfig& config, const VehicleParameters& vehicle);
+  CekfSlamNode(const core::CekfSlamConfig& config, const core::VehicleDescription& vehicle);
   ~CekfSlamNode();
 
  private:

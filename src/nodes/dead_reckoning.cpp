@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
     hymm::core::ConfigReport report;
     hymm::core::DeadReckoningConfig config;
     hymm::readParameters(private_handle, config, report);
-    const hymm::VehicleParameters vehicle = hymm::readVehicle(private_handle, report);
+    const hymm::core::VehicleDescription vehicle = hymm::readVehicle(private_handle, report);
     hymm::tellOrThrow(report);
     const hymm::DeadReckoningNode node(config, vehicle.config);
     ros::spin();

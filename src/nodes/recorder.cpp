@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
       report.errors.push_back(private_handle.getNamespace() +
                               ": output must name a folder to write into.");
     }
-    const hymm::VehicleParameters vehicle = hymm::readVehicle(private_handle, report);
+    const hymm::core::VehicleDescription vehicle = hymm::readVehicle(private_handle, report);
     hymm::tellOrThrow(report);
     hymm::RecorderNode node(config, vehicle.config);
     ros::spin();

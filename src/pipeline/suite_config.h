@@ -25,11 +25,9 @@ struct SuiteConfig {
 };
 
 /// Reads YAML files in order over the built-in defaults; a later file overrides single parameters
-/// of the earlier ones. `vehicle` is either a group of parameters or a text: a vehicle's name,
-/// found as ../vehicles/NAME.yaml beside the file that names it or as vehicles/NAME.yaml in the
-/// folder that `findConfigFolder` returns (the package's; asked only where it is needed; empty:
-/// none), or a path to a YAML file, relative to the file that names it. A named vehicle replaces
-/// whatever vehicle came before.
+/// of the earlier ones. `vehicle` is either a group of parameters or a text, which names a vehicle
+/// as readNamedVehicle() says and replaces whatever vehicle came before. `findConfigFolder`: see
+/// VehiclePlaces.
 ///
 /// Problems are collected in `report`, each led by the file it stands in: a file that cannot be
 /// read, a vehicle that cannot be found, wrong types and values out of range are errors; unknown

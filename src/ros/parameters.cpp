@@ -5,12 +5,11 @@
 #include <limits>
 #include <sstream>
 
+#include <ros/names.h>
 #include <ros/package.h>
 
 namespace hymm {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string exactText(double value) {
   std::ostringstream stream;
@@ -19,38 +18,11 @@ std::string exactText(double value) {
   return stream.str();
 }
 
-/// What stands below `vehicle` in a vehicle's file; nothing after an error.
-YAML::Node loadVehicleFile(const std::string& file, core::ConfigReport& report) {
-  try {
-    const YAML::Node content = YAML::LoadFile(file);
-    if (content.IsMap() && content["vehicle"]) return content["vehicle"];
-    report.errors.push_back(file + ": does not hold a group 'vehicle'.");
-  } catch (const YAML::Exception& error) {
-    report.errors.push_back(file + ": is not a readable YAML file: " + error.what() + ".");
-  }
-  return {};
-}
-
-std::string knownVehicles(const fs::path& folder) {
-  std::string names;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    if (entry.path().extension() != ".yaml") continue;
-    names += (names.empty() ? "" : ", ") + entry.path().stem().string();
-  }
-  return names.empty() ? "none" : names;
-}
-
-/// The file that a vehicle's name or path means; empty after an error.
-std::string findVehicleFile(const std::string& name, const std::string& parameter,
-                            core::ConfigReport& report) {
-  const fs::path folder = fs::path(ros::package::getPath("hymm")) / "config" / "vehicles";
-  const bool is_path = name.find('/') != std::string::npos || fs::path(name).extension() == ".yaml";
-  const fs::path file = is_path ? fs::path(name) : folder / (name + ".yaml");
-  if (fs::exists(file)) return file.string();
-  report.errors.push_back(parameter + ": there is no vehicle '" + name + "': no file " +
-                          file.string() + ". Known by name: " + knownVehicles(folder) + ".");
-  return {};
+/// The folder of the file out of which the launch file loaded `parameter`; empty if none tells.
+std::filesystem::path overlayFolder(const ros::NodeHandle& handle, const std::string& parameter) {
+  std::string file;
+  handle.getParam(ros::names::append(ros::names::parentNamespace(parameter), "config_file"), file);
+  return std::filesystem::path(file).parent_path();
 }
 
 }  // namespace
@@ -91,8 +63,13 @@ YAML::Node parameterTree(const ros::NodeHandle& handle) {
   return toYaml(value);
 }
 
-VehicleParameters readVehicle(const ros::NodeHandle& handle, core::ConfigReport& report) {
-  VehicleParameters vehicle;
+std::string configFolder() {
+  const std::string package = ros::package::getPath("hymm");
+  return package.empty() ? "" : package + "/config";
+}
+
+core::VehicleDescription readVehicle(const ros::NodeHandle& handle, core::ConfigReport& report) {
+  core::VehicleDescription vehicle;
   std::string parameter;
   XmlRpc::XmlRpcValue value;
   if (!handle.searchParam("vehicle", parameter) || !handle.getParam(parameter, value)) {
@@ -102,15 +79,13 @@ VehicleParameters readVehicle(const ros::NodeHandle& handle, core::ConfigReport&
                               "of config/vehicles.");
     return vehicle;
   }
-  YAML::Node node = toYaml(value);
-  std::string origin = parameter;
+  const YAML::Node node = toYaml(value);
   if (node.IsScalar()) {
-    origin = findVehicleFile(node.Scalar(), parameter, report);
-    if (origin.empty()) return vehicle;
-    node = loadVehicleFile(origin, report);
+    const core::VehiclePlaces places{parameter, overlayFolder(handle, parameter), configFolder};
+    return core::readNamedVehicle(node.Scalar(), places, report).value_or(vehicle);
   }
   vehicle.tells_laser = node.IsMap() && node["laser"];
-  core::readConfig(node, vehicle.config, origin, report);
+  core::readConfig(node, vehicle.config, parameter, report);
   return vehicle;
 }
 

@@ -3,7 +3,7 @@
 #include <ros/node_handle.h>
 
 #include "common/config.h"
-#include "vehicle/vehicle_config.h"
+#include "pipeline/vehicle_file.h"
 
 /// ROS parameters through the same descriptions as YAML files, so that both know the same names,
 /// ranges and sentences.
@@ -24,15 +24,13 @@ void readParameters(const ros::NodeHandle& handle, Config& config, core::ConfigR
   core::readConfig(tree, config, handle.getNamespace(), report);
 }
 
-/// A vehicle, and whether its description tells where the laser stands.
-struct VehicleParameters {
-  core::VehicleConfig config;
-  bool tells_laser = false;
-};
+/// The package's folder of configurations; empty where the package is not found.
+std::string configFolder();
 
 /// The parameter `vehicle`, searched from the handle's namespace upwards: a group of parameters, or
-/// the name of a file config/vehicles/NAME.yaml of this package, or the path of such a file. Where
-/// there is none, a warning and the built-in vehicle.
-VehicleParameters readVehicle(const ros::NodeHandle& handle, core::ConfigReport& report);
+/// the text that names a vehicle, as offline (see core::readNamedVehicle). The file that names it
+/// is the parameter `config_file` beside it, which the launch files set. Where there is no
+/// `vehicle`, a warning and the built-in one.
+core::VehicleDescription readVehicle(const ros::NodeHandle& handle, core::ConfigReport& report);
 
 }  // namespace hymm

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <ros/package.h>
 
 #include "common/error.h"
 #include "common/progress_bar.h"
@@ -12,6 +11,7 @@
 #include "pipeline/offline_run.h"
 #include "pipeline/results_writer.h"
 #include "pipeline/suite_config.h"
+#include "ros/parameters.h"
 #include "ros/process_usage.h"
 #include "tools/offline_source.h"
 
@@ -47,14 +47,9 @@ void describe(CLI::App& app, Options& options) {
   app.add_option("--topic", options.topics, "another name of a topic, as scan:=/front/scan");
 }
 
-std::string findConfigFolder() {
-  const std::string package = ros::package::getPath("hymm");
-  return package.empty() ? "" : package + "/config";
-}
-
 core::SuiteConfig readConfig(const Options& options) {
   core::ConfigReport report;
-  const core::SuiteConfig config = core::loadSuiteConfig(options.configs, report, findConfigFolder);
+  const core::SuiteConfig config = core::loadSuiteConfig(options.configs, report, configFolder);
   for (const std::string& warning : report.warnings) std::cerr << "Warning: " << warning << '\n';
   report.throwIfUnusable();
   return config;

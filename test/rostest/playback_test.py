@@ -97,8 +97,12 @@ class Playback(unittest.TestCase):
         self.expect_equal_results(scans=DURATION_S * SCANS_HZ)
 
     def test_robot_with_its_own_detector(self):
-        self.run_both("vehicle: simulated_car\ncekf_slam: {observation_input: detections}\n",
-                      "--detections")
+        # The vehicle is a file beside the configuration: nodes find it as hymm_offline does.
+        shipped = Path(__file__).parents[2] / "config" / "vehicles" / "simulated_car.yaml"
+        (self.path / "robots").mkdir()
+        (self.path / "robots" / "mine.yaml").write_text(shipped.read_text())
+        self.run_both("vehicle: robots/mine.yaml\n"
+                      "cekf_slam: {observation_input: detections}\n", "--detections")
         self.expect_equal_results(scans=DURATION_S * SCANS_HZ)
 
 

@@ -61,6 +61,39 @@ TEST(SuiteConfig, VehicleMayBeAPath) {
   EXPECT_THAT(report.errors, IsEmpty());
 }
 
+TEST(SuiteConfig, VehiclePathIsRelativeToTheOverlayThenToTheConfigFolder) {
+  const test::TemporaryFolder folder;
+  folder.write("config/vehicles/cart.yaml", "vehicle: {length_m: 1.25}\n");
+  const std::string overlay = folder.write("mine/overlay.yaml", "vehicle: vehicles/cart.yaml\n");
+  const auto config_folder = [&] { return folder / "config"; };
+  ConfigReport report;
+  EXPECT_EQ(loadSuiteConfig({overlay}, report, config_folder).vehicle.length_m, 1.25);
+  folder.write("mine/vehicles/cart.yaml", "vehicle: {length_m: 2.5}\n");
+  EXPECT_EQ(loadSuiteConfig({overlay}, report, config_folder).vehicle.length_m, 2.5);
+  EXPECT_THAT(report.errors, IsEmpty());
+}
+
+TEST(SuiteConfig, VehiclePathMayBeAbsolute) {
+  const test::TemporaryFolder folder;
+  const std::string cart = folder.write("robots/cart.yaml", "vehicle: {length_m: 1.25}\n");
+  const std::string overlay = folder.write("mine/overlay.yaml", "vehicle: " + cart + "\n");
+  ConfigReport report;
+  EXPECT_EQ(loadSuiteConfig({overlay}, report).vehicle.length_m, 1.25);
+  EXPECT_THAT(report.errors, IsEmpty());
+}
+
+TEST(SuiteConfig, ForAVehicleThatIsNotFoundTellsTheKnownOnes) {
+  const test::TemporaryFolder folder;
+  folder.write("config/vehicles/truck.yaml", "vehicle: {length_m: 9}\n");
+  folder.write("config/vehicles/cart.yaml", "vehicle: {length_m: 1.25}\n");
+  const std::string overlay = folder.write("mine.yaml", "vehicle: crat\n");
+  ConfigReport report;
+  loadSuiteConfig({overlay}, report, [&] { return folder / "config"; });
+  EXPECT_THAT(report.errors, ElementsAre(AllOf(HasSubstr("'crat'"), HasSubstr(overlay),
+                                               HasSubstr("config/vehicles/crat.yaml"),
+                                               HasSubstr("Known by name: cart, truck."))));
+}
+
 TEST(SuiteConfig, NamedVehicleReplacesTheOneBefore) {
   const test::TemporaryFolder folder;
   folder.write("vehicles/cart.yaml", "vehicle: {length_m: 1.25}\n");
