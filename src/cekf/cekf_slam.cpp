@@ -11,7 +11,6 @@
 #include "cekf/landmark_life_cycle.h"
 #include "cekf/map_snapshot.h"
 #include "cekf/scan_associator.h"
-#include "cekf/vehicle_state.h"
 #include "common/gaussian.h"
 #include "perception/perception.h"
 #include "perception/scan_check.h"
@@ -124,6 +123,10 @@ class CekfSlam::Impl {
   }
   Eigen::Matrix3d calibrationCovariance() const {
     return estimate_.vehicle.calibrationCovariance(estimate_.filter.vehicleCovariance());
+  }
+
+  LaserCalibration laserCalibration() const {
+    return estimate_.vehicle.laserCalibration(estimate_.filter);
   }
 
   std::uint64_t version() const { return version_; }
@@ -350,6 +353,7 @@ void CekfSlam::reset() { impl_->reset(); }
 PoseEstimate CekfSlam::pose() const { return impl_->pose(); }
 Calibration CekfSlam::calibration() const { return impl_->calibration(); }
 Eigen::Matrix3d CekfSlam::calibrationCovariance() const { return impl_->calibrationCovariance(); }
+LaserCalibration CekfSlam::laserCalibration() const { return impl_->laserCalibration(); }
 std::uint64_t CekfSlam::mapVersion() const { return impl_->version(); }
 std::size_t CekfSlam::landmarkCount() const { return impl_->landmarkCount(); }
 LandmarkMap CekfSlam::landmarkMap(double range_m) const { return impl_->landmarkMap(range_m); }

@@ -10,6 +10,7 @@
 
 #include "cekf/cekf_slam_config.h"
 #include "cekf/landmark_map.h"
+#include "cekf/vehicle_state.h"
 #include "common/pose2.h"
 #include "pipeline/sensor_event.h"
 #include "vehicle/motion_model.h"
@@ -102,6 +103,7 @@ class CekfSlam {
   PoseEstimate pose() const;
   Calibration calibration() const;
   Eigen::Matrix3d calibrationCovariance() const;
+  LaserCalibration laserCalibration() const;
   std::uint64_t mapVersion() const;
   std::size_t landmarkCount() const;
 

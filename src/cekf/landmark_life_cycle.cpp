@@ -96,8 +96,8 @@ std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set, const Sens
     const Observation& observation = set.observations[i];
     if (observation.identity < 0) {
       const LocatedLandmark located =
-          locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor, observation.range_m,
-                         observation.bearing_rad);
+          locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
+                         observation.range_m - sensor.range_offset_m, observation.bearing_rad);
       if (!isFarFromOthers(located.position)) continue;
       const Matrix2d covariance =
           located.G_measurement * observation.covariance * located.G_measurement.transpose();
@@ -118,8 +118,9 @@ bool LandmarkLifeCycle::isFarFromOthers(const Vector2d& position) const {
 
 int LandmarkLifeCycle::promote(const Observation& observation, const ObservationSet& set,
                                const SensorPlacement& sensor, CompressedEkf& filter) {
-  const LocatedLandmark located = locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
-                                                 observation.range_m, observation.bearing_rad);
+  const LocatedLandmark located =
+      locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
+                     observation.range_m - sensor.range_offset_m, observation.bearing_rad);
   RegisteredLandmark landmark;
   landmark.slot = filter.append(
       located.position, vehicleJacobian(located, sensor, filter.vehicleStates()),

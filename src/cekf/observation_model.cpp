@@ -53,6 +53,10 @@ Eigen::Matrix<double, 2, Eigen::Dynamic> vehicleJacobian(const RangeBearing& pre
   H.setZero();
   H.leftCols<3>() = predicted.H_pose;
   if (sensor.yaw_state >= 0) H(1, sensor.yaw_state) = -1.0;
+  if (sensor.range_offset_state >= 0) H(0, sensor.range_offset_state) = 1.0;
+  if (sensor.time_offset_state >= 0) {
+    H.col(sensor.time_offset_state) = predicted.H_pose * sensor.velocity;
+  }
   return H;
 }
 
@@ -63,6 +67,12 @@ Eigen::Matrix<double, 2, Eigen::Dynamic> vehicleJacobian(const LocatedLandmark& 
   G.setZero();
   G.leftCols<3>() = located.G_pose;
   if (sensor.yaw_state >= 0) G.col(sensor.yaw_state) = located.G_measurement.col(1);
+  if (sensor.range_offset_state >= 0) {
+    G.col(sensor.range_offset_state) = -located.G_measurement.col(0);
+  }
+  if (sensor.time_offset_state >= 0) {
+    G.col(sensor.time_offset_state) = located.G_pose * sensor.velocity;
+  }
   return G;
 }
 

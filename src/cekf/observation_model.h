@@ -6,10 +6,15 @@
 
 namespace hymm::core {
 
-/// A sensor on the vehicle, with its mounting as estimated.
+/// A sensor on the vehicle, with its systematic errors as estimated. States are indices among the
+/// vehicle's states, or -1 for what is not estimated.
 struct SensorPlacement {
-  Pose2 T_base_sensor;
-  int yaw_state = -1;  ///< index of the mounting's yaw error among the vehicle's states, or -1
+  Pose2 T_base_sensor;          ///< from where the vehicle was at the stamp
+  int yaw_state = -1;           ///< error of the mounting's yaw
+  double range_offset_m = 0.0;  ///< by which measured ranges are too long
+  int range_offset_state = -1;
+  int time_offset_state = -1;  ///< of the time of measuring, after the stamp
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< of the vehicle's pose, map axes, per s
 };
 
 /// Range [m] and bearing [rad] of a landmark from a sensor on the vehicle, and the Jacobians.

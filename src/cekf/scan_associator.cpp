@@ -42,7 +42,7 @@ SparseMeasurement measurementOf(const Observation& observation, const SensorPlac
   const RangeBearing z =
       predictRangeBearing(VehicleState::pose(filter), sensor.T_base_sensor, filter.landmark(slot));
   SparseMeasurement measurement;
-  measurement.innovation << observation.range_m - z.value[0],
+  measurement.innovation << observation.range_m - sensor.range_offset_m - z.value[0],
       wrapAngle(observation.bearing_rad - z.value[1]);
   measurement.H_vehicle = vehicleJacobian(z, sensor, filter.vehicleStates());
   measurement.landmarks[0] = slot;
@@ -117,8 +117,9 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
   const auto i = static_cast<std::size_t>(observation_index);
   const Observation& observation = set.observations[i];
   const Eigen::MatrixXd P_vv = filter.vehicleCovariance();
-  const LocatedLandmark located = locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
-                                                 observation.range_m, observation.bearing_rad);
+  const LocatedLandmark located =
+      locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
+                     observation.range_m - sensor.range_offset_m, observation.bearing_rad);
   const auto G = vehicleJacobian(located, sensor, filter.vehicleStates());
   const Matrix2d own = G * P_vv * G.transpose() + located.G_measurement * observation.covariance *
                                                       located.G_measurement.transpose();

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "vehicle/arc.h"
+
 namespace hymm::core {
 
 VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum)
@@ -13,8 +15,12 @@ VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_g
   for (std::size_t k = 0; k < 3; ++k) {
     if (calibration_deviation_[k] > 0.0) calibration_index_[k] = size_++;
   }
-  laser_yaw_deviation_rad_ = prior.laser_yaw_deviation_rad;
-  if (laser_yaw_deviation_rad_ > 0.0) laser_yaw_index_ = size_++;
+  laser_yaw_.deviation = prior.laser_yaw_deviation_rad;
+  laser_range_.deviation = prior.laser_range_offset_deviation_m;
+  laser_time_.deviation = prior.laser_time_offset_deviation_s;
+  for (LaserError* error : {&laser_yaw_, &laser_range_, &laser_time_}) {
+    if (error->deviation > 0.0) error->index = size_++;
+  }
   if (with_gps_datum) {
     gps_datum_index_ = size_;
     size_ += 3;
@@ -39,21 +45,45 @@ Eigen::MatrixXd VehicleState::initialCovariance() const {
     if (index >= 0)
       covariance(index, index) = calibration_deviation_[k] * calibration_deviation_[k];
   }
-  if (laser_yaw_index_ >= 0) {
-    covariance(laser_yaw_index_, laser_yaw_index_) =
-        laser_yaw_deviation_rad_ * laser_yaw_deviation_rad_;
+  for (const LaserError& error : {laser_yaw_, laser_range_, laser_time_}) {
+    if (error.index >= 0) covariance(error.index, error.index) = error.deviation * error.deviation;
   }
   return covariance;
 }
 
 SensorPlacement VehicleState::placement(const Pose2& T_base_sensor,
                                         const CompressedEkf& filter) const {
-  SensorPlacement sensor{T_base_sensor, laser_yaw_index_};
-  if (laser_yaw_index_ >= 0) {
-    const double yaw_error = filter.vehicle()[laser_yaw_index_];
-    sensor.T_base_sensor.yaw_rad = wrapAngle(T_base_sensor.yaw_rad + yaw_error);
-  }
+  const Eigen::VectorXd state = filter.vehicle();
+  SensorPlacement sensor;
+  sensor.T_base_sensor = T_base_sensor;
+  sensor.T_base_sensor.yaw_rad = wrapAngle(T_base_sensor.yaw_rad + laser_yaw_.valueIn(state));
+  sensor.yaw_state = laser_yaw_.index;
+  sensor.range_offset_m = laser_range_.valueIn(state);
+  sensor.range_offset_state = laser_range_.index;
+  if (laser_time_.index < 0) return sensor;
+
+  const BodyVelocity v =
+      model_.velocity(input_, calibration(state), {state[kErrorIndex], state[kErrorIndex + 1]});
+  const Eigen::Vector2d velocity(v.forward_mps, v.lateral_mps);
+  const double dt = laser_time_.valueIn(state), turn = v.yaw_rate_radps * dt;
+  const Eigen::Vector2d moved = Arc(turn).V() * velocity * dt;
+  sensor.T_base_sensor = Pose2{moved.x(), moved.y(), turn} * sensor.T_base_sensor;
+  sensor.time_offset_state = laser_time_.index;
+  sensor.velocity << pose(filter).rotation() * velocity, v.yaw_rate_radps;
   return sensor;
+}
+
+LaserCalibration VehicleState::laserCalibration(const CompressedEkf& filter) const {
+  const Eigen::VectorXd state = filter.vehicle();
+  const Eigen::MatrixXd covariance = filter.vehicleCovariance();
+  LaserCalibration laser;
+  Eigen::Index row = 0;
+  for (const LaserError& error : {laser_yaw_, laser_range_, laser_time_}) {
+    laser.mean[row] = error.valueIn(state);
+    if (error.index >= 0) laser.deviation[row] = std::sqrt(covariance(error.index, error.index));
+    ++row;
+  }
+  return laser;
 }
 
 Calibration VehicleState::calibration(const Eigen::VectorXd& state) const {

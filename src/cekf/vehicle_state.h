@@ -11,6 +11,13 @@
 
 namespace hymm::core {
 
+/// Systematic errors of the laser, as (yaw of its mounting [rad], by how much its ranges are too
+/// long [m], time of measuring after the stamp [s]).
+struct LaserCalibration {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d deviation = Eigen::Vector3d::Zero();
+};
+
 /// The vehicle's part of the filter's state: pose (x, y, yaw), the present errors of the motion
 /// input (speed, turn; in units of their deviations), those calibration values that are estimated,
 /// and where east and north lie in the map if GPS is fused. Carries it along the motion.
@@ -25,13 +32,15 @@ class VehicleState {
   Eigen::VectorXd initialState() const;
   Eigen::MatrixXd initialCovariance() const;
 
-  /// A sensor mounted at `T_base_sensor`, turned by the yaw error as estimated.
+  /// A sensor mounted at `T_base_sensor`, with its errors of yaw, range and time as estimated.
   SensorPlacement placement(const Pose2& T_base_sensor, const CompressedEkf& filter) const;
 
   static Pose2 pose(const CompressedEkf& filter) {
     return Pose2::fromVector(filter.vehicle().head<3>());
   }
   Calibration calibration(const Eigen::VectorXd& state) const;
+  /// Errors of the laser as estimated; what is not estimated is zero.
+  LaserCalibration laserCalibration(const CompressedEkf& filter) const;
   /// Covariance of (speed scale, turn scale, turn offset); zero for what is not estimated.
   Eigen::Matrix3d calibrationCovariance(const Eigen::MatrixXd& vehicle_covariance) const;
 
@@ -47,12 +56,19 @@ class VehicleState {
   std::size_t gaps() const { return gaps_; }
 
  private:
+  /// Errors of the laser; the index is -1 for what is not estimated.
+  struct LaserError {
+    int index = -1;
+    double deviation = 0.0;  ///< of the prior
+
+    double valueIn(const Eigen::VectorXd& state) const { return index >= 0 ? state[index] : 0.0; }
+  };
+
   MotionModel model_;
   double hold_limit_s_;
   std::array<int, 3> calibration_index_{-1, -1, -1};
   std::array<double, 3> calibration_deviation_{0.0, 0.0, 0.0};
-  int laser_yaw_index_ = -1;
-  double laser_yaw_deviation_rad_ = 0.0;
+  LaserError laser_yaw_, laser_range_, laser_time_;
   int gps_datum_index_ = -1;
   static constexpr int kErrorIndex = 3;
   int size_ = 5;

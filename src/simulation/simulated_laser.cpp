@@ -148,7 +148,7 @@ double SimulatedLaser::measuredRange(double range_m, double roughness_m) {
   const double relative = config_.range_deviation_relative * range_m;
   const double deviation = std::sqrt(config_.range_deviation_m * config_.range_deviation_m +
                                      relative * relative + roughness_m * roughness_m);
-  const double measured = range_m + sampleNormal(generator_, deviation);
+  const double measured = range_m + config_.range_offset_m + sampleNormal(generator_, deviation);
   const double step = config_.range_resolution_m;
   return step > 0.0 ? step * std::round(measured / step) : measured;
 }

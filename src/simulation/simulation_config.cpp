@@ -54,6 +54,8 @@ void SimulatedLaserConfig::describe(ConfigSchema& schema) {
                 "part that grows with the range");
   schema.number("range_resolution_m", range_resolution_m, Range::notNegative(),
                 "ranges are rounded to multiples of it; 0: not rounded");
+  schema.number("range_offset_m", range_offset_m, Range::between(-1.0, 1.0),
+                "systematic error: by how much ranges are too long");
   schema.number("dark_range_m", dark_range_m, Range::notNegative(),
                 "where a target that reflects 10 % at normal incidence is seen half the time; "
                 "0: everything within range is seen");

@@ -57,6 +57,7 @@ struct SimulatedLaserConfig {
   double range_deviation_m = 0.01;
   double range_deviation_relative = 0.0003;
   double range_resolution_m = 0.01;  ///< 0 for none
+  double range_offset_m = 0.0;       ///< systematic error: by how much ranges are too long
   double dark_range_m = 30.0;        ///< where a 10 % target is seen half the time; 0: no limit
   double missed_return_probability = 0.002;  ///< whatever the target
   double spurious_return_probability = 0.0002;

@@ -49,6 +49,13 @@ void CalibrationPrior::describe(ConfigSchema& schema) {
                 Range::between(0.0, 0.5), "of the yaw rate's zero; 0 leaves it out");
   schema.number("laser_yaw_deviation_rad", laser_yaw_deviation_rad, Range::between(0.0, 0.5),
                 "of the laser's yaw on the vehicle; 0 leaves it out");
+  schema.number("laser_range_offset_deviation_m", laser_range_offset_deviation_m,
+                Range::between(0.0, 1.0),
+                "of an error that all the laser's ranges have in common; 0 leaves it out");
+  schema.number("laser_time_offset_deviation_s", laser_time_offset_deviation_s,
+                Range::between(0.0, 1.0),
+                "of the laser's time of measuring from its stamp, by the clock that stamps the "
+                "motion input; 0 leaves it out");
 }
 
 void VehicleConfig::describe(ConfigSchema& schema) {

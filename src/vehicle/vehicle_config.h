@@ -51,6 +51,8 @@ struct CalibrationPrior {
   double steering_offset_deviation_rad = 0.0;    ///< Ackermann
   double yaw_rate_offset_deviation_radps = 0.0;  ///< twist
   double laser_yaw_deviation_rad = 0.0;          ///< of the laser's mounting
+  double laser_range_offset_deviation_m = 0.0;   ///< of what its ranges have in common
+  double laser_time_offset_deviation_s = 0.0;    ///< of its stamps against the motion input's
 
   void describe(ConfigSchema& schema);
 };

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "cekf/observation_model.h"
 #include "common/error.h"
 #include "simulation/simulation.h"
 
@@ -142,6 +143,54 @@ TEST(CekfSlam, FollowsIdentitiesThroughLargeErrors) {
   const auto outcome = slam.process(set);
   EXPECT_EQ(outcome->health.dof, 6);
   EXPECT_EQ(slam.landmarkCount(), 3U);
+}
+
+/// How far a robot has gone round its circle, whose speed changes: at constant speed an error of
+/// time looks like one of yaw.
+double angleAt(double time_s) { return 0.2 * time_s + 0.1 * (1.0 - std::cos(time_s)); }
+
+/// A robot on a circle of 10 m among landmarks that tell their identity; its sensor has errors
+/// that the filter is to find.
+LaserCalibration calibrationAfterCircles(const Eigen::Vector3d& truth) {
+  VehicleConfig vehicle;
+  vehicle.calibration.laser_yaw_deviation_rad = 0.05;
+  vehicle.calibration.laser_range_offset_deviation_m = 0.2;
+  vehicle.calibration.laser_time_offset_deviation_s = 0.1;
+  const Pose2 mounting{1.5, 0.3, 0.0}, true_mounting{1.5, 0.3, truth[0]};
+  CekfSlam slam(CekfSlamConfig{}, vehicle);
+  for (int step = 1; step <= 1200; ++step) {
+    const double time_s = 0.1 * step, angle = angleAt(time_s + truth[2]);
+    const double yaw_rate_radps = (angleAt(time_s + 0.1) - angleAt(time_s)) / 0.1;
+    slam.process(MotionInput{TwistInput{time_s, 10.0 * yaw_rate_radps, 0.0, yaw_rate_radps}});
+    // base_link goes round (0, 10), starting at the origin along x.
+    const Pose2 T_map_base{10.0 * std::sin(angle), 10.0 - 10.0 * std::cos(angle), angle};
+    ObservationSet set;
+    set.time_s = time_s;
+    set.T_base_sensor = mounting;
+    for (int k = 0; k < 6; ++k) {
+      const Eigen::Vector2d landmark(15.0 * std::cos(k), 10.0 + 15.0 * std::sin(k));
+      const Eigen::Vector2d z = predictRangeBearing(T_map_base, true_mounting, landmark).value;
+      Observation observation;
+      observation.range_m = z[0] + truth[1];
+      observation.bearing_rad = z[1];
+      observation.covariance = Eigen::Vector2d(1e-4, 1e-6).asDiagonal();
+      observation.identity = k;
+      set.observations.push_back(observation);
+    }
+    slam.process(set);
+  }
+  return slam.laserCalibration();
+}
+
+TEST(CekfSlam, FindsErrorsOfTheLasersYawRangeAndTime) {
+  const Eigen::Vector3d truth(0.02, 0.05, -0.04);
+  const LaserCalibration found = calibrationAfterCircles(truth);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_LT(std::abs(found.mean[k] - truth[k]), 3.0 * found.deviation[k]) << k;
+  }
+  EXPECT_LT(found.deviation[0], 0.01);
+  EXPECT_LT(found.deviation[1], 0.01);
+  EXPECT_LT(found.deviation[2], 0.01);
 }
 
 /// Scans of a simulated world through the filter; position error against truth.

@@ -65,8 +65,23 @@ TEST(ObservationModel, HasJacobiansOfTheLocation) {
   EXPECT_LT((by_bearing / (2.0 * kStep) - located.G_measurement.col(1)).norm(), kNumeric);
 }
 
+TEST(ObservationModel, HasJacobiansByTheRangeOffset) {
+  SensorPlacement sensor;
+  sensor.T_base_sensor = kSensor;
+  sensor.range_offset_state = 5;
+  const RangeBearing z = predictRangeBearing(kBase, kSensor, kLandmark);
+  EXPECT_EQ(vehicleJacobian(z, sensor, 6).col(5), Vector2d(1.0, 0.0));
+  const LocatedLandmark located = locateLandmark(kBase, kSensor, 9.0, 0.3);
+  const Vector2d d_location = (locateLandmark(kBase, kSensor, 9.0 - kStep, 0.3).position -
+                               locateLandmark(kBase, kSensor, 9.0 + kStep, 0.3).position) /
+                              (2.0 * kStep);
+  EXPECT_LT((vehicleJacobian(located, sensor, 6).col(5) - d_location).norm(), kNumeric);
+}
+
 TEST(ObservationModel, HasJacobiansByTheMountingsYaw) {
-  const SensorPlacement sensor{kSensor, 5};
+  SensorPlacement sensor;
+  sensor.T_base_sensor = kSensor;
+  sensor.yaw_state = 5;
   Pose2 turned_left = kSensor, turned_right = kSensor;
   turned_left.yaw_rad += kStep;
   turned_right.yaw_rad -= kStep;

@@ -108,6 +108,12 @@ TEST(SimulatedLaser, HasTheRangeNoiseThatItsConfigurationStates) {
   EXPECT_LT(sum, chiSquareQuantile(0.9995, 4000));
 }
 
+TEST(SimulatedLaser, MeasuresTooLongByItsOffset) {
+  SimulatedLaserConfig config = perfect();
+  config.range_offset_m = 0.05;
+  EXPECT_NEAR(scanOf(config, {ring(20.0)}).scan.ranges_m[180], 20.05, 1e-3);
+}
+
 TEST(SimulatedLaser, RoundsRangesToItsResolution) {
   SimulatedLaserConfig config = perfect();
   config.range_deviation_m = 0.05;

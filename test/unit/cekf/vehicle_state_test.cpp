@@ -1,0 +1,83 @@
+#include "cekf/vehicle_state.h"
+
+#include <gtest/gtest.h>
+
+namespace hymm::core {
+namespace {
+
+constexpr double kStep = 1e-6;
+constexpr double kNumeric = 1e-7;
+
+const Pose2 kMounting{3.78, 0.5, 0.1};
+
+/// A car in a curve, with every error of its laser among the states.
+struct Car {
+  Car()
+      : vehicle(config(), false, false),
+        filter(vehicle.initialState(), vehicle.initialCovariance()) {
+    vehicle.takeInput(filter, AckermannInput{0.0, 3.0, 0.3});
+    vehicle.takeInput(filter, AckermannInput{1.0, 3.0, 0.3});
+  }
+
+  static VehicleConfig config() {
+    VehicleConfig config;
+    config.ackermann.encoder_offset_left_m = 0.76;
+    config.calibration.laser_yaw_deviation_rad = 0.02;
+    config.calibration.laser_range_offset_deviation_m = 0.04;
+    config.calibration.laser_time_offset_deviation_s = 0.1;
+    return config;
+  }
+
+  /// What the laser measures of a landmark, with these errors.
+  Eigen::Vector2d measured(const Eigen::Vector3d& errors) {
+    for (int k = 0; k < 3; ++k) filter.setVehicleState(5 + k, errors[k]);
+    const SensorPlacement sensor = vehicle.placement(kMounting, filter);
+    Eigen::Vector2d z =
+        predictRangeBearing(VehicleState::pose(filter), sensor.T_base_sensor, {14.0, 9.0}).value;
+    z[0] += sensor.range_offset_m;
+    return z;
+  }
+
+  VehicleState vehicle;
+  CompressedEkf filter;
+};
+
+TEST(VehicleState, HasJacobiansByTheLasersErrors) {
+  Car car;
+  const Eigen::Vector3d errors(0.01, 0.05, -0.04);
+  car.measured(errors);
+  const SensorPlacement sensor = car.vehicle.placement(kMounting, car.filter);
+  const RangeBearing z =
+      predictRangeBearing(VehicleState::pose(car.filter), sensor.T_base_sensor, {14.0, 9.0});
+  const auto H = vehicleJacobian(z, sensor, car.filter.vehicleStates());
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(k);
+    const Eigen::Vector2d numeric =
+        (car.measured(errors + step) - car.measured(errors - step)) / (2.0 * kStep);
+    EXPECT_LT((H.col(5 + k) - numeric).norm(), kNumeric) << k;
+  }
+}
+
+TEST(VehicleState, MeasuresFromWhereTheVehicleWasAtTheTimeOfMeasuring) {
+  Car before, after;
+  before.vehicle.moveTo(before.filter, 1.2);
+  after.vehicle.moveTo(after.filter, 1.4);
+  after.filter.setVehicleState(7, -0.2);
+  const SensorPlacement sensor = after.vehicle.placement(kMounting, after.filter);
+  const Pose2 found = VehicleState::pose(after.filter) * sensor.T_base_sensor;
+  const Pose2 expected = VehicleState::pose(before.filter) * kMounting;
+  EXPECT_LT((found.vector() - expected.vector()).norm(), 1e-12);
+}
+
+TEST(VehicleState, LeavesOutWhatIsKnownForCertain) {
+  const VehicleState vehicle(VehicleConfig{}, false, false);
+  const CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance());
+  const SensorPlacement sensor = vehicle.placement(kMounting, filter);
+  EXPECT_EQ(vehicle.size(), 5);
+  EXPECT_EQ(sensor.range_offset_state, -1);
+  EXPECT_EQ(sensor.time_offset_state, -1);
+  EXPECT_EQ(vehicle.laserCalibration(filter).deviation, Eigen::Vector3d::Zero());
+}
+
+}  // namespace
+}  // namespace hymm::core
