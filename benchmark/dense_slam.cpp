@@ -71,7 +71,8 @@ void DenseSlam::moveTo(double time_s) {
 }
 
 void DenseSlam::observe(const ObservationSet& set, const std::vector<int>& identities) {
-  const core::SensorPlacement sensor{set.T_base_sensor, -1};
+  core::SensorPlacement sensor;
+  sensor.T_base_sensor = set.T_base_sensor;
   std::vector<DenseEkf::Measurement> measurements;
   std::vector<std::size_t> fresh;
   for (std::size_t i = 0; i < identities.size(); ++i) {
