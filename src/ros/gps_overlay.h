@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <optional>
 #include <string>
 
 #include <sensor_msgs/NavSatFix.h>
@@ -42,6 +43,7 @@ class GpsOverlay {
 
  private:
   void compareWaiting();
+  std::optional<core::Pose2> poseAt(double time_s) const;
 
   Eigen::Vector2d antenna_;
   std::string map_frame_;

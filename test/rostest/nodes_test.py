@@ -89,6 +89,7 @@ class NodesTest(unittest.TestCase):
         rospy.init_node("nodes_test")
         cls.poses, cls.maps, cls.paths, cls.map_odom_walls = [], [], [], []
         cls.status, cls.messages, cls.owners = {}, {}, set()
+        cls.map_odom_x, cls.odom_x = [], {}
         rospy.Subscriber("landmarks", LandmarkMap, cls.maps.append)
         rospy.Subscriber("trajectory", RosPath, cls.paths.append)
         rospy.Subscriber("cekf/pose", FilterPose, cls.poses.append)
@@ -108,6 +109,9 @@ class NodesTest(unittest.TestCase):
             if transform.child_frame_id == "odom":
                 cls.owners.add(message._connection_header["callerid"])
                 cls.map_odom_walls.append(time.time())
+                cls.map_odom_x.append(transform.transform.translation.x)
+            elif transform.child_frame_id == "base_link":
+                cls.odom_x[transform.header.stamp] = transform.transform.translation.x
 
     def wait_for(self, condition, what):
         deadline = time.time() + 10.0
@@ -189,6 +193,28 @@ class NodesTest(unittest.TestCase):
         self.assertLess(abs(self.poses[-1].pose.pose.position.x), 0.5)
         # The way before the reset was in another map.
         self.wait_for(lambda: self.paths and len(self.paths[-1].poses) <= 2, "a new trajectory")
+
+    def test_map_odom_carries_the_odometry_to_the_pose(self):
+        for _ in range(5):
+            self.robot.drive_with(self.robot.scan())
+        self.wait_for(lambda: self.poses and self.odom_x.get(self.poses[-1].header.stamp) and
+                      self.map_odom_x and abs(
+                          self.map_odom_x[-1] + self.odom_x[self.poses[-1].header.stamp] -
+                          self.poses[-1].pose.pose.position.x) < 1e-6,
+                      "map -> odom that fits the pose")
+
+    def test_zz_a_second_owner_of_map_odom_is_named(self):
+        other = rospy.Publisher("/tf", TFMessage, queue_size=10)
+        transform = TransformStamped()
+        transform.header.frame_id, transform.child_frame_id = "elsewhere", "odom"
+        transform.transform.rotation.w = 1.0
+
+        def is_named():
+            transform.header.stamp = rospy.Time.now()
+            other.publish(TFMessage([transform]))
+            return "nodes_test publishes map -> odom" in self.messages["supervisor: supervisor"]
+
+        self.wait_for(is_named, "the second owner in /diagnostics")
 
     def test_map_odom_has_one_owner(self):
         for _ in range(5):

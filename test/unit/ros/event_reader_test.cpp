@@ -1,0 +1,149 @@
+#include "ros/event_reader.h"
+
+#include <cmath>
+
+#include <boost/make_shared.hpp>
+#include <gmock/gmock.h>
+
+#include "ros/pose_conversions.h"
+
+namespace hymm {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Key;
+
+constexpr double kWait_s = 5.0;
+
+class SensorPlaces : public testing::Test {
+ protected:
+  void placeSensor(const std::string& frame, const core::Pose2& T_base_sensor, double roll = 0.0) {
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = "base_link";
+    transform.child_frame_id = frame;
+    transform.transform = toTransformMessage(T_base_sensor);
+    if (roll != 0.0) {
+      transform.transform.rotation.x = std::sin(roll / 2.0);
+      transform.transform.rotation.w = std::cos(roll / 2.0);
+    }
+    tf_.setTransform(transform, "test", true);
+  }
+  SensorMountings mountings(std::optional<core::Pose2> fallback = std::nullopt) {
+    return SensorMountings(tf_, "base_link", fallback, kWait_s);
+  }
+
+  tf2::BufferCore tf_;
+};
+
+using SensorMountingsTest = SensorPlaces;
+
+TEST_F(SensorMountingsTest, TfTells) {
+  placeSensor("laser", {3.0, 0.5, 0.1});
+  const auto answer = mountings().find("laser", 0.0);
+  ASSERT_TRUE(answer.T_base_sensor);
+  EXPECT_EQ(answer.T_base_sensor->x_m, 3.0);
+  EXPECT_NEAR(answer.T_base_sensor->yaw_rad, 0.1, 1e-12);
+}
+
+TEST_F(SensorMountingsTest, WaitForTfThenTakeTheVehiclesDescription) {
+  SensorMountings places = mountings(core::Pose2{1.0, 2.0, 0.0});
+  EXPECT_TRUE(places.find("laser", 10.0).waiting);
+  EXPECT_TRUE(places.find("laser", 14.9).waiting);
+  const auto answer = places.find("laser", 15.1);
+  ASSERT_TRUE(answer.T_base_sensor);
+  EXPECT_EQ(answer.T_base_sensor->y_m, 2.0);
+}
+
+TEST_F(SensorMountingsTest, WithoutAnyKnowledgeNameTheFrame) {
+  SensorMountings places = mountings();
+  places.find("nowhere", 0.0);
+  const auto answer = places.find("nowhere", 6.0);
+  EXPECT_FALSE(answer.T_base_sensor);
+  EXPECT_FALSE(answer.waiting);
+  EXPECT_THAT(answer.problem, AllOf(HasSubstr("'nowhere'"), HasSubstr("'base_link'")));
+  EXPECT_THAT(places.find("", 0.0).problem, HasSubstr("names no frame"));
+}
+
+TEST_F(SensorMountingsTest, ATiltedLaserIsRefused) {
+  placeSensor("tilted", {3.0, 0.0, 0.0}, 0.3);
+  placeSensor("upside_down", {3.0, 0.0, 0.0}, core::kPi);
+  EXPECT_THAT(mountings().find("tilted", 0.0).problem, HasSubstr("tilted"));
+  EXPECT_THAT(mountings().find("upside_down", 0.0).problem, HasSubstr("upside down"));
+}
+
+TEST_F(SensorMountingsTest, ANewRecordingMayHaveItsLaserElsewhere) {
+  placeSensor("laser", {3.0, 0.0, 0.0});
+  SensorMountings places = mountings();
+  places.find("laser", 0.0);
+  placeSensor("laser", {1.0, 0.0, 0.0});
+  EXPECT_EQ(places.find("laser", 1.0).T_base_sensor->x_m, 3.0);  // remembered
+  places.reset();
+  EXPECT_EQ(places.find("laser", 2.0).T_base_sensor->x_m, 1.0);
+}
+
+class EventReaderTest : public SensorPlaces {
+ protected:
+  EventReaderTest() { placeSensor("laser", {3.0, 0.0, 0.0}); }
+
+  template <class Message>
+  static boost::shared_ptr<Message> stamped(const std::string& frame, double time_s = 5.0) {
+    auto message = boost::make_shared<Message>();
+    message->header.stamp = ros::Time(time_s);
+    message->header.frame_id = frame;
+    return message;
+  }
+
+  CauseLog causes_;
+  EventReader reader_{mountings(), GpsConverter({1.0, 0.0}), causes_};
+};
+
+TEST_F(EventReaderTest, ScansAndDetectionsComeWithThePlaceOfTheSensor) {
+  const SensorMessage scan =
+      sensor_msgs::LaserScan::ConstPtr(stamped<sensor_msgs::LaserScan>("laser"));
+  const auto scan_event = reader_.read(scan, 0.0).event;
+  ASSERT_TRUE(scan_event);
+  EXPECT_EQ(std::get<core::ScanEvent>(*scan_event).T_base_laser.x_m, 3.0);
+  const SensorMessage detections =
+      LandmarkObservations::ConstPtr(stamped<LandmarkObservations>("laser"));
+  const auto set = reader_.read(detections, 0.0).event;
+  ASSERT_TRUE(set);
+  EXPECT_EQ(std::get<core::ObservationSet>(*set).T_base_sensor.x_m, 3.0);
+  EXPECT_EQ(core::timeOf(*set), 5.0);
+}
+
+TEST_F(EventReaderTest, MotionNeedsNoFrame) {
+  const SensorMessage encoders = DeadReckoning::ConstPtr(stamped<DeadReckoning>(""));
+  const auto event = reader_.read(encoders, 0.0).event;
+  ASSERT_TRUE(event);
+  EXPECT_TRUE(std::holds_alternative<core::MotionInput>(*event));
+}
+
+TEST_F(EventReaderTest, AMessageWithoutStampIsRefusedAndCounted) {
+  const SensorMessage scan =
+      sensor_msgs::LaserScan::ConstPtr(stamped<sensor_msgs::LaserScan>("laser", 0.0));
+  EXPECT_FALSE(reader_.read(scan, 0.0).event);
+  EXPECT_THAT(causes_.counts(), Contains(Key("no time stamp")));
+}
+
+TEST_F(EventReaderTest, AFrameThatNobodyKnowsIsWaitedForThenNamed) {
+  const SensorMessage scan =
+      sensor_msgs::LaserScan::ConstPtr(stamped<sensor_msgs::LaserScan>("nowhere"));
+  EXPECT_TRUE(reader_.read(scan, 0.0).waiting);
+  EXPECT_EQ(causes_.total(), 0u);
+  const EventReader::Answer answer = reader_.read(scan, 6.0);
+  EXPECT_FALSE(answer.event);
+  EXPECT_FALSE(answer.waiting);
+  EXPECT_THAT(causes_.counts(), Contains(Key("unknown frame 'nowhere'")));
+}
+
+TEST_F(EventReaderTest, AFixThatCannotBeUsedIsCounted) {
+  const SensorMessage fix =
+      sensor_msgs::NavSatFix::ConstPtr(stamped<sensor_msgs::NavSatFix>("gps"));  // no covariance
+  EXPECT_FALSE(reader_.read(fix, 0.0).event);
+  EXPECT_THAT(causes_.counts(), Contains(Key("GPS fix refused")));
+}
+
+}  // namespace
+}  // namespace hymm
