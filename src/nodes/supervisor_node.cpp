@@ -90,6 +90,11 @@ void SupervisorNode::process(const FilterAnswer& answer) {
 
 void SupervisorNode::takeOdometry(const nav_msgs::Odometry& message) {
   const core::Pose2 T_odom_base = fromMessage(message.pose.pose);
+  if (!T_odom_base.vector().allFinite()) {
+    causes_.count("odom refused",
+                  "An odom message has a pose that is not finite; it is not drawn.");
+    return;
+  }
   if (!T_odom_first_) T_odom_first_ = T_odom_base;
   dead_reckoning_.add(message.header.stamp, core::inverse(*T_odom_first_) * T_odom_base);
 }
@@ -178,6 +183,7 @@ void SupervisorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.add("initialpose not followed", initial_poses_refused_);
   for (const core::EvidenceFigure& figure : decision_.figures)
     status.add(figure.name, figure.value);
+  for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);
   for (const auto& [node, count] : watch_.others()) {
     status.add("map -> odom from " + node, count);
     status.mergeSummary(DiagnosticStatus::ERROR, node + " publishes map -> odom, too");

@@ -12,6 +12,7 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
+#include "ros/cause_log.h"
 #include "ros/filter_pairing.h"
 #include "ros/gps_overlay.h"
 #include "ros/map_odom_broadcaster.h"
@@ -47,6 +48,7 @@ class SupervisorNode {
   core::SupervisorDecision decision_;
   core::SupervisorEvidence evidence_;
   FilterPairing pairing_;
+  CauseLog causes_;
   bool status_sent_ = false;
   std::optional<double> pose_wall_s_;
   ros::Time pose_stamp_;

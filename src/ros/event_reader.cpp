@@ -3,6 +3,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "perception/scan_check.h"
 #include "ros/sensor_conversions.h"
 
 namespace hymm {
@@ -56,7 +57,16 @@ EventReader::Answer EventReader::readPlaced(const Message& message, double stead
                       "' are refused: " + mounting.problem + ".");
     return {};
   }
-  return {placed(fromMessage(message), *mounting.T_base_sensor), false};
+  auto measurement = fromMessage(message);
+  if constexpr (std::is_same_v<Message, sensor_msgs::LaserScan>) {
+    if (core::invalidRanges(measurement) > 0) {
+      causes_.count("scans with negative ranges",
+                    "A scan of frame '" + message.header.frame_id +
+                        "' has negative ranges, which mean nothing (REP-117); these beams are "
+                        "taken for ones without a measurement.");
+    }
+  }
+  return {placed(std::move(measurement), *mounting.T_base_sensor), false};
 }
 
 std::optional<core::SensorEvent> EventReader::readGps(const sensor_msgs::NavSatFix& message) {

@@ -15,6 +15,11 @@ double uprightness(const geometry_msgs::Quaternion& q) {
   return 1.0 - 2.0 * (q.x * q.x + q.y * q.y);
 }
 
+/// tf2 knows no leading slash; messages of old recordings have one.
+std::string withoutSlash(const std::string& frame) {
+  return frame.empty() || frame.front() != '/' ? frame : frame.substr(1);
+}
+
 constexpr double kUpright = 0.985;  // 10 degrees: the scan's plane is taken to be the ground's
 
 }  // namespace
@@ -39,7 +44,8 @@ SensorMountings::Answer SensorMountings::ask(const std::string& sensor_frame,
                                              double waited_s) const {
   if (sensor_frame.empty()) return {std::nullopt, false, "the message names no frame"};
   try {
-    const auto transform = tf_.lookupTransform(base_frame_, sensor_frame, ros::Time(0)).transform;
+    const auto transform =
+        tf_.lookupTransform(base_frame_, withoutSlash(sensor_frame), ros::Time(0)).transform;
     if (uprightness(transform.rotation) < kUpright) {
       return {
           std::nullopt, false,

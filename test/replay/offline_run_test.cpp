@@ -1,3 +1,4 @@
+#include <iterator>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -34,6 +35,15 @@ class Offline : public testing::Test {
   std::size_t lines(const std::string& file) const {
     const std::string text = folder_.read(file);
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  }
+
+  /// Words of the last line of a file.
+  std::vector<std::string> lastLine(const std::string& file) const {
+    std::istringstream stream(folder_.read(file));
+    std::string line, last;
+    while (std::getline(stream, line)) last = line;
+    std::istringstream words(last);
+    return {std::istream_iterator<std::string>(words), {}};
   }
 
   test::TemporaryFolder folder_;
@@ -163,6 +173,46 @@ TEST_F(Offline, UnusableScansAreCountedAndTheRestIsUsed) {
   EXPECT_EQ(summary("results")["dropped_scans"].as<int>(), 2);
   EXPECT_THAT(tool.err, HasSubstr("refused"));
   EXPECT_EQ(lines("results/trajectory.tum"), 58u);
+}
+
+TEST_F(Offline, ScansThatAreLateOrRepeatedAreDroppedAndCounted) {
+  test::Drive drive;
+  drive.spoil = [](sensor_msgs::LaserScan& scan, int index) {
+    if (index == 20) scan.header.stamp -= ros::Duration(0.5);  // older than the one before
+    if (index == 30) scan.header.stamp -= ros::Duration(0.2);  // of the same time
+  };
+  const test::ToolRun tool = run(test::writeDriveBag(folder_ / "a.bag", drive), "results");
+  ASSERT_EQ(tool.exit_code, 0) << tool.err;
+  EXPECT_EQ(summary("results")["scans"].as<int>(), 58);
+  EXPECT_EQ(summary("results")["dropped_scans"].as<int>(), 2);
+  EXPECT_EQ(summary("results")["resets"].as<int>(), 0);
+  EXPECT_THAT(tool.err, HasSubstr("older than what was processed: 1"));
+  EXPECT_THAT(tool.err, HasSubstr("not later than the last one: 1"));
+}
+
+TEST_F(Offline, AGapOfOdometryIsCountedAndBridged) {
+  test::Drive drive;
+  drive.lost_motion_from_s = 3.0;
+  drive.lost_motion_to_s = 8.0;
+  const test::ToolRun tool = run(test::writeDriveBag(folder_ / "a.bag", drive), "results");
+  ASSERT_EQ(tool.exit_code, 0) << tool.err;
+  EXPECT_EQ(summary("results")["scans"].as<int>(), 60);
+  EXPECT_THAT(tool.err, HasSubstr("gaps in the motion input: 1"));
+  // The trunks hold the estimate: 3 m/s for 11.8 s.
+  const std::vector<std::string> last = lastLine("results/trajectory.tum");
+  EXPECT_NEAR(std::stod(last.at(1)), 35.4, 0.5);
+  EXPECT_NEAR(std::stod(last.at(2)), 0.0, 0.5);
+}
+
+TEST_F(Offline, NegativeRangesAreCountedAndNotUsed) {
+  test::Drive drive;
+  drive.spoil = [](sensor_msgs::LaserScan& scan, int index) {
+    if (index % 10 == 0) scan.ranges[5] = -1.0F;
+  };
+  const test::ToolRun tool = run(test::writeDriveBag(folder_ / "a.bag", drive), "results");
+  ASSERT_EQ(tool.exit_code, 0) << tool.err;
+  EXPECT_EQ(summary("results")["scans"].as<int>(), 60);
+  EXPECT_THAT(tool.err, HasSubstr("scans with negative ranges: 6"));
 }
 
 TEST_F(Offline, WithoutTfTheVehicleTellsWhereTheLaserStands) {

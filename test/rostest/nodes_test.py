@@ -138,6 +138,54 @@ class NodesTest(unittest.TestCase):
         self.wait_for(lambda: int(self.status.get("cekf_slam: filter", {}).get("scans refused", 0)) >= 1,
                       "a refused scan in /diagnostics")
 
+    def count(self, status, key):
+        return int(self.status.get(status, {}).get(key, 0))
+
+    def test_late_scans_and_motion_that_is_not_finite_are_counted(self):
+        for _ in range(3):
+            self.robot.drive_with(self.robot.scan())
+        late = self.robot.scan()
+        late.header.stamp -= rospy.Duration(0.5)
+        self.robot.scans.publish(late)
+        nan = DeadReckoning(speed=float("nan"), steering=0.0)
+        nan.header.stamp = rospy.Time.from_sec(self.robot.time_s + 0.05)
+        self.robot.motion.publish(nan)
+        negative = self.robot.scan()
+        negative.ranges = [-1.0] * BEAMS
+        before = len(self.poses)
+        self.robot.drive_with(negative)
+        self.wait_for(lambda: len(self.poses) > before, "a pose after bad input")
+        self.wait_for(lambda: self.count("cekf_slam: inputs", "out of order") == 1, "'out of order'")
+        self.wait_for(lambda: self.count("cekf_slam: filter", "motion refused") == 1,
+                      "refused motion")
+        self.wait_for(lambda: self.count("dead_reckoning: dead reckoning", "refused") >= 1,
+                      "refused motion of dead_reckoning")
+        self.wait_for(lambda: self.count("cekf_slam: inputs", "scans with negative ranges") == 1,
+                      "negative ranges")
+        self.assertTrue(math.isfinite(self.poses[-1].pose.pose.position.x))
+
+    def test_gap_of_odometry_is_counted_and_makes_uncertain(self):
+        self.robot.drive_with(self.robot.scan())
+        self.wait_for(lambda: self.poses, "a pose")
+        variance, before = self.poses[-1].pose.covariance[0], len(self.poses)
+        gaps = self.count("cekf_slam: filter", "motion gaps")
+        self.robot.time_s += 5.0
+        self.robot.drive_with(self.robot.scan())
+        self.wait_for(lambda: len(self.poses) > before, "a pose after the gap")
+        self.assertGreater(self.poses[-1].pose.covariance[0], variance + 1.0)
+        self.wait_for(lambda: self.count("cekf_slam: filter", "motion gaps") == gaps + 1,
+                      "the gap in /diagnostics")
+
+    def test_unknown_parameter_is_told_with_the_nearest_name(self):
+        node = subprocess.Popen(command("supervisor", "__ns:=/unknown", "_tf_rate_hs:=20"),
+                                preexec_fn=os.setsid, stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, text=True)
+        time.sleep(1.5)
+        os.killpg(node.pid, signal.SIGINT)
+        said = node.communicate(timeout=10)[0]
+        self.assertIn("tf_rate_hs", said)
+        self.assertIn("did you mean 'tf_rate_hz'?", said)
+
     def call(self, name, kind, **request):
         rospy.wait_for_service(name, timeout=10)
         response = rospy.ServiceProxy(name, kind)(**request)

@@ -24,6 +24,8 @@ struct Drive {
   bool has_gps = true;
   bool has_tf = true;
   bool has_detections = false;
+  double lost_motion_from_s = 0.0;  ///< since the begin; up to the next
+  double lost_motion_to_s = 0.0;
   std::function<void(sensor_msgs::LaserScan&, int)> spoil;  ///< changes the scan of an index
 };
 
@@ -92,7 +94,9 @@ inline void writeDrive(rosbag::Bag& bag, const Drive& drive) {
     const double time_s = drive.begin_s + kInput_s * i, x_m = kSpeed_mps * kInput_s * i;
     const ros::Time stamp(time_s), recorded = stamp + later;
     if (i == 0 && drive.has_tf) bag.write("/tf_static", recorded, laserTransform(stamp));
-    if (drive.has_dead_reckoning) {
+    const bool is_lost =
+        kInput_s * i > drive.lost_motion_from_s && kInput_s * i < drive.lost_motion_to_s;
+    if (drive.has_dead_reckoning && !is_lost) {
       bag.write("/dead_reckoning", recorded,
                 toMessage(core::AckermannInput{time_s, kSpeed_mps, 0.0}, "base_link"));
     }

@@ -12,8 +12,10 @@ namespace {
 
 using testing::AllOf;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Key;
+using testing::Pair;
 
 constexpr double kWait_s = 5.0;
 
@@ -45,6 +47,11 @@ TEST_F(SensorMountingsTest, TfTells) {
   ASSERT_TRUE(answer.T_base_sensor);
   EXPECT_EQ(answer.T_base_sensor->x_m, 3.0);
   EXPECT_NEAR(answer.T_base_sensor->yaw_rad, 0.1, 1e-12);
+}
+
+TEST_F(SensorMountingsTest, ALeadingSlashOfOldRecordingsIsNoOtherFrame) {
+  placeSensor("laser", {3.0, 0.5, 0.1});
+  ASSERT_TRUE(mountings().find("/laser", 0.0).T_base_sensor);
 }
 
 TEST_F(SensorMountingsTest, WaitForTfThenTakeTheVehiclesDescription) {
@@ -136,6 +143,17 @@ TEST_F(EventReaderTest, AFrameThatNobodyKnowsIsWaitedForThenNamed) {
   EXPECT_FALSE(answer.event);
   EXPECT_FALSE(answer.waiting);
   EXPECT_THAT(causes_.counts(), Contains(Key("unknown frame 'nowhere'")));
+}
+
+TEST_F(EventReaderTest, NegativeRangesAreCountedByScan) {
+  const auto message = stamped<sensor_msgs::LaserScan>("laser");
+  message->ranges = {1.0F, INFINITY, NAN};
+  const SensorMessage scan = sensor_msgs::LaserScan::ConstPtr(message);
+  EXPECT_TRUE(reader_.read(scan, 0.0).event);
+  EXPECT_EQ(causes_.total(), 0u);
+  message->ranges = {1.0F, -2.0F, -3.0F};
+  EXPECT_TRUE(reader_.read(scan, 0.0).event);
+  EXPECT_THAT(causes_.counts(), ElementsAre(Pair("scans with negative ranges", 1u)));
 }
 
 TEST_F(EventReaderTest, AFixThatCannotBeUsedIsCounted) {
