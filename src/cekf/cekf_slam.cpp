@@ -234,7 +234,7 @@ class CekfSlam::Impl {
   FilterHealth update(ScanAssociation& association) {
     FilterHealth health;
     if (association.measurements.empty()) return health;
-    const double nis = estimate_.filter.update(association.measurements);
+    const double nis = estimate_.filter.update(association.measurements).nis;
     if (!std::isfinite(nis)) {
       association.slots.assign(association.slots.size(), ScanAssociation::kNone);
       return health;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -28,15 +29,15 @@ auto symmetric(const MatrixXd& storage, int n) {
 
 }  // namespace
 
-CompressedEkf::CompressedEkf(const VectorXd& vehicle, const MatrixXd& covariance)
-    : vehicle_states_(static_cast<int>(vehicle.size())) {
+CompressedEkf::CompressedEkf(const VectorXd& vehicle, const MatrixXd& covariance,
+                             SerialWorker::Mode global_updates)
+    : vehicle_states_(static_cast<int>(vehicle.size())),
+      store_(std::make_unique<PassiveStore>(global_updates)) {
   if (vehicle_states_ < 1 || vehicle_states_ > kMaxVehicleStates ||
       covariance.rows() != vehicle.size() || covariance.cols() != vehicle.size()) {
     throw std::invalid_argument("CompressedEkf takes 1 to " + std::to_string(kMaxVehicleStates) +
                                 " vehicle states and a covariance of the same size");
   }
-  store_.grow(kFirstLandmarkIndex);
-  store_x_ = VectorXd::Zero(store_.size());
   x_ = vehicle;
   P_ = covariance;
   startInterval();
@@ -44,7 +45,8 @@ CompressedEkf::CompressedEkf(const VectorXd& vehicle, const MatrixXd& covariance
 
 void CompressedEkf::startInterval() {
   active_slots_.clear();
-  origin_slots_.clear();
+  origin_indices_.resize(static_cast<std::size_t>(vehicle_states_));
+  std::iota(origin_indices_.begin(), origin_indices_.end(), 0);
   origin_states_ = vehicle_states_;
   reserveActive(vehicle_states_, vehicle_states_);
   phi_.topLeftCorner(vehicle_states_, vehicle_states_).setIdentity();
@@ -59,7 +61,7 @@ MatrixXd CompressedEkf::vehicleCovariance() const { return symmetric(P_, vehicle
 Vector2d CompressedEkf::landmark(int slot) const {
   const int row = rowOf(slot);
   if (row >= 0) return x_.segment<2>(row);
-  return store_x_.segment<2>(storeIndex(slot)) +
+  return store_->state(storeIndex(slot)) +
          originCovariance(slot).transpose() * theta_.head(origin_states_);
 }
 
@@ -75,10 +77,8 @@ Matrix2d CompressedEkf::covariance(int slot_a, int slot_b) const {
   }
   if (row_a >= 0) return phi_.block(row_a, 0, 2, origin_states_) * originCovariance(slot_b);
   if (row_b >= 0) return covariance(slot_b, slot_a).transpose();
-  const int index_a = storeIndex(slot_a), index_b = storeIndex(slot_b);
-  for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j < 2; ++j) block(i, j) = store_(index_a + i, index_b + j);
-  }
+  const int index_a = storeIndex(slot_a);
+  block = store_->covariance({index_a, index_a + 1}, storeIndex(slot_b));
   return block - originCovariance(slot_a).transpose() * psiTimes(originCovariance(slot_b));
 }
 
@@ -194,43 +194,66 @@ Matrix2d CompressedEkf::innovationCovariance(const SparseMeasurement& a,
   return S;
 }
 
-double CompressedEkf::update(const std::vector<SparseMeasurement>& measurements) {
-  if (measurements.empty()) return 0.0;
+std::optional<CompressedEkf::Linearised> CompressedEkf::linearise(
+    const std::vector<SparseMeasurement>& measurements) const {
   flushMotion();
-  const int m = 2 * static_cast<int>(measurements.size()), n = states(), n0 = origin_states_;
-
-  MatrixXd HP(m, n), S(m, m);
-  VectorXd z(m);
+  const int m = 2 * static_cast<int>(measurements.size());
+  Linearised result{MatrixXd(m, states()), MatrixXd(m, m), VectorXd(m)};
+  VectorXd innovations(m);
   for (int k = 0; k < m; k += 2) {
     const SparseMeasurement& row = measurements[static_cast<std::size_t>(k / 2)];
-    HP.middleRows<2>(k) = measurementTimesCovariance(row);
-    z.segment<2>(k) = row.innovation;
+    result.HP.middleRows<2>(k) = measurementTimesCovariance(row);
+    innovations.segment<2>(k) = row.innovation;
     for (int j = 0; j <= k; j += 2) {
-      S.block<2, 2>(k, j) = timesMeasurementTransposed(
-          HP.middleRows<2>(k), measurements[static_cast<std::size_t>(j / 2)]);
+      result.L.block<2, 2>(k, j) = timesMeasurementTransposed(
+          result.HP.middleRows<2>(k), measurements[static_cast<std::size_t>(j / 2)]);
     }
-    S.block<2, 2>(k, k) += row.noise;
+    result.L.block<2, 2>(k, k) += row.noise;
   }
-  const Eigen::LLT<Eigen::Ref<MatrixXd>, Eigen::Lower> llt(S);
-  if (llt.info() != Eigen::Success || !z.allFinite() || !S.diagonal().allFinite()) {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
+  const bool finite = innovations.allFinite() && result.L.diagonal().allFinite();
+  const Eigen::LLT<Eigen::Ref<MatrixXd>, Eigen::Lower> llt(result.L);
+  if (!finite || llt.info() != Eigen::Success) return std::nullopt;
+  result.whitened = llt.matrixL().solve(innovations);
+  return result;
+}
+
+std::optional<VectorXd> CompressedEkf::statesAfter(
+    const std::vector<SparseMeasurement>& measurements) const {
+  const std::optional<Linearised> linearised = linearise(measurements);
+  if (!linearised) return std::nullopt;
+  const VectorXd weighted =
+      linearised->L.triangularView<Eigen::Lower>().transpose().solve(linearised->whitened);
+  return x_.head(states()) + linearised->HP.transpose() * weighted;
+}
+
+UpdateOutcome CompressedEkf::update(const std::vector<SparseMeasurement>& measurements) {
+  if (measurements.empty()) return {};
+  std::optional<Linearised> linearised = linearise(measurements);
+  if (!linearised) return {std::numeric_limits<double>::quiet_NaN(), 0.0};
+  const int m = 2 * static_cast<int>(measurements.size()), n = states(), n0 = origin_states_;
   MatrixXd Hphi(m, n0);
   for (int k = 0; k < m; k += 2) {
     Hphi.middleRows<2>(k) = measurementTimesPhi(measurements[static_cast<std::size_t>(k / 2)]);
   }
 
   // With S = L * L': every term needs its factors only as L^-1 * (.).
-  const VectorXd y = llt.matrixL().solve(z);
-  blas::solveLower(m, n, S.data(), m, HP.data(), m);
-  blas::solveLower(m, n0, S.data(), m, Hphi.data(), m);
-  x_.head(n) += HP.transpose() * y;
+  MatrixXd& HP = linearised->HP;
+  const VectorXd& y = linearised->whitened;
+  blas::solveLower(m, n, linearised->L.data(), m, HP.data(), m);
+  blas::solveLower(m, n0, linearised->L.data(), m, Hphi.data(), m);
+  const VectorXd correction = HP.transpose() * y;
+  x_.head(n) += correction;
   theta_.head(n0) += Hphi.transpose() * y;
   blas::syrkLower(true, n, m, -1.0, HP.data(), m, P_.data(), strideOf(P_));
   blas::syrkLower(true, n0, m, 1.0, Hphi.data(), m, psi_.data(), strideOf(psi_));
   blas::gemm(true, false, n, n0, m, -1.0, HP.data(), m, Hphi.data(), m, phi_.data(),
              strideOf(phi_));
-  return y.squaredNorm();
+
+  double largest_move2 = 0.0;
+  for (int row = vehicle_states_; row < n; row += 2) {
+    largest_move2 = std::max(largest_move2, correction.segment<2>(row).squaredNorm());
+  }
+  return {y.squaredNorm(), std::sqrt(largest_move2)};
 }
 
 void CompressedEkf::activate(int slot) {
@@ -239,11 +262,9 @@ void CompressedEkf::activate(int slot) {
   const int row = states(), n0 = origin_states_;
   const TwoColumns W = originCovariance(slot);
   const TwoColumns psi_W = psiTimes(W);
-  Matrix2d own;
   const int index = storeIndex(slot);
-  own << store_(index, index), store_(index + 1, index), store_(index + 1, index),
-      store_(index + 1, index + 1);
-  const Vector2d position = landmark(slot);
+  const Matrix2d own = store_->covariance({index, index + 1}, index);
+  const Vector2d position = store_->state(index) + W.transpose() * theta_.head(n0);
 
   reserveActive(row + 2, n0 + 2);
   x_.segment<2>(row) = position;
@@ -255,7 +276,7 @@ void CompressedEkf::activate(int slot) {
   psi_.block(n0, 0, 2, n0 + 2).setZero();
   theta_.segment<2>(n0).setZero();
 
-  origin_slots_.push_back(slot);
+  origin_indices_.insert(origin_indices_.end(), {index, index + 1});
   origin_states_ += 2;
   active_slots_.push_back(slot);
   rows_[static_cast<std::size_t>(slot)] = row;
@@ -286,8 +307,8 @@ void CompressedEkf::remove(int slot) {
     flushMotion();
     moveLastLandmarkTo(row);
   }
-  const bool is_origin =
-      std::find(origin_slots_.begin(), origin_slots_.end(), slot) != origin_slots_.end();
+  const bool is_origin = std::find(origin_indices_.begin(), origin_indices_.end(),
+                                   storeIndex(slot)) != origin_indices_.end();
   (is_origin ? retired_slots_ : free_slots_).push_back(slot);
   rows_[static_cast<std::size_t>(slot)] = kFree;
   --landmark_count_;
@@ -329,71 +350,39 @@ void CompressedEkf::initialiseVehicleStates(int first, const VectorXd& value, co
   x_.segment(first, count) = value;
 }
 
-void CompressedEkf::globalUpdate() {
-  flushMotion();
-  std::vector<int> origin_store;
-  origin_store.reserve(static_cast<std::size_t>(origin_states_));
-  for (int i = 0; i < vehicle_states_; ++i) origin_store.push_back(i);
-  for (const int slot : origin_slots_) {
-    origin_store.push_back(storeIndex(slot));
-    origin_store.push_back(storeIndex(slot) + 1);
-  }
-  store_.grow(kFirstLandmarkIndex + 2 * static_cast<int>(rows_.size()));
-  store_x_.conservativeResizeLike(VectorXd::Zero(store_.size()));
-  const MatrixXd W = storeColumns(origin_store);
-  updateStore(W);
-  writeActiveToStore(W);
-
+bool CompressedEkf::globalUpdate() {
+  if (store_->isUpdating()) return false;
+  store_->startUpdate(effectSoFar());
   for (const int slot : active_slots_) rows_[static_cast<std::size_t>(slot)] = kPassive;
   free_slots_.insert(free_slots_.end(), retired_slots_.begin(), retired_slots_.end());
   retired_slots_.clear();
   startInterval();
+  return true;
 }
 
-MatrixXd CompressedEkf::storeColumns(const std::vector<int>& columns) const {
-  MatrixXd W(store_.size(), static_cast<Eigen::Index>(columns.size()));
-  for (Eigen::Index c = 0; c < W.cols(); ++c) {
-    for (int tile_row = 0; tile_row < store_.tileRows(); ++tile_row) {
-      store_.copyTileColumn(tile_row, columns[static_cast<std::size_t>(c)],
-                            W.col(c).data() + tile_row * TiledSymmetricMatrix::kTileSize);
-    }
-  }
-  return W;
+IntervalEffect CompressedEkf::effectSoFar() const {
+  flushMotion();
+  const int n = states(), n0 = origin_states_;
+  IntervalEffect effect;
+  effect.origins = origin_indices_;
+  for (int row = 0; row < n; ++row) effect.active.push_back(storeIndexOfRow(row));
+  effect.phi = phi_.topLeftCorner(n, n0);
+  effect.psi = symmetric(psi_, n0);
+  effect.theta = theta_.head(n0);
+  effect.x = x_.head(n);
+  effect.P = symmetric(P_, n);
+  effect.size = storeIndex(static_cast<int>(rows_.size()));
+  return effect;
 }
 
-void CompressedEkf::updateStore(const MatrixXd& W) {
-  constexpr int kTile = TiledSymmetricMatrix::kTileSize;
-  const int n0 = origin_states_, size = store_.size();
-  store_x_ += W * theta_.head(n0);
-  const MatrixXd psi = symmetric(psi_, n0);
-  MatrixXd W_psi = MatrixXd::Zero(size, n0);
-  blas::gemm(false, false, size, n0, n0, 1.0, W.data(), size, psi.data(), n0, W_psi.data(), size);
-  for (int i = 0; i < store_.tileRows(); ++i) {
-    for (int j = 0; j <= i; ++j) {
-      blas::gemm(false, true, kTile, kTile, n0, -1.0, W_psi.data() + i * kTile, size,
-                 W.data() + j * kTile, size, store_.tile(i, j), kTile);
-    }
-  }
-}
-
-void CompressedEkf::writeActiveToStore(const MatrixXd& W) {
-  const int n = states(), n0 = origin_states_, size = store_.size();
-  MatrixXd P_all_active = MatrixXd::Zero(size, n);
-  blas::gemm(false, true, size, n, n0, 1.0, W.data(), size, phi_.data(), strideOf(phi_),
-             P_all_active.data(), size);
-
-  std::vector<int> active_store(static_cast<std::size_t>(n));
-  for (int i = 0; i < n; ++i) active_store[static_cast<std::size_t>(i)] = storeIndexOfRow(i);
-  for (int a = 0; a < n; ++a) {
-    for (int b = 0; b < n; ++b) {
-      P_all_active(active_store[static_cast<std::size_t>(b)], a) = covarianceEntry(a, b);
-    }
-  }
-  for (int a = 0; a < n; ++a) {
-    const int index = active_store[static_cast<std::size_t>(a)];
-    for (int i = 0; i < size; ++i) store_.set(i, index, P_all_active(i, a));
-    store_x_[index] = x_[a];
-  }
+void CompressedEkf::readLater(const std::vector<int>& slots,
+                              std::function<void(const EffectReader&)> job) {
+  std::vector<int> indices;
+  for (const int slot : slots) indices.push_back(storeIndex(slot));
+  store_->runJob([effect = effectSoFar(), indices = std::move(indices), job = std::move(job)](
+                     const TiledSymmetricMatrix& covariance, const VectorXd& states) {
+    job(EffectReader(covariance, states, effect, indices));
+  });
 }
 
 int CompressedEkf::storeIndexOfRow(int row) const {
@@ -429,18 +418,7 @@ int CompressedEkf::takeSlot() {
 }
 
 TwoColumns CompressedEkf::originCovariance(int slot) const {
-  TwoColumns W(origin_states_, 2);
-  const int index = storeIndex(slot);
-  for (int k = 0; k < origin_states_; ++k) {
-    const int origin =
-        k < vehicle_states_
-            ? k
-            : storeIndex(origin_slots_[static_cast<std::size_t>((k - vehicle_states_) / 2)]) +
-                  (k - vehicle_states_) % 2;
-    W(k, 0) = store_(origin, index);
-    W(k, 1) = store_(origin, index + 1);
-  }
-  return W;
+  return store_->covariance(origin_indices_, storeIndex(slot));
 }
 
 TwoColumns CompressedEkf::psiTimes(const TwoColumns& W) const {

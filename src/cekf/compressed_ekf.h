@@ -1,11 +1,17 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "cekf/tiled_symmetric_matrix.h"
+#include "cekf/effect_reader.h"
+#include "cekf/interval_effect.h"
+#include "cekf/passive_store.h"
+#include "common/serial_worker.h"
 
 namespace hymm::core {
 
@@ -18,6 +24,12 @@ struct SparseMeasurement {
   int landmarks[2] = {kNone, kNone};                     ///< slots
   Eigen::Matrix2d H_landmarks[2] = {Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
   Eigen::Matrix2d noise = Eigen::Matrix2d::Identity();
+};
+
+/// What a measurement did.
+struct UpdateOutcome {
+  double nis = 0.0;  ///< normalised innovation squared; NaN: refused, and nothing changed
+  double largest_landmark_move_m = 0.0;  ///< of the active landmarks
 };
 
 /// The compressed extended Kalman filter: an EKF over the vehicle's states and any number of
@@ -33,6 +45,9 @@ struct SparseMeasurement {
 /// at once, whatever the number of landmarks. (The paper's areas fix the origin states in advance;
 /// this grows them by need.)
 ///
+/// The global update itself runs on a worker. It is in force as soon as it is started: until it is
+/// done, what it would write is computed for those that ask.
+///
 /// Landmarks are addressed by slots: small non-negative integers, reused after a global update.
 class CompressedEkf {
  public:
@@ -41,7 +56,8 @@ class CompressedEkf {
 
   /// A filter with the given vehicle states and no landmark. Throws std::invalid_argument for sizes
   /// that do not fit.
-  CompressedEkf(const Eigen::VectorXd& vehicle, const Eigen::MatrixXd& covariance);
+  CompressedEkf(const Eigen::VectorXd& vehicle, const Eigen::MatrixXd& covariance,
+                SerialWorker::Mode global_updates = SerialWorker::Mode::kInline);
 
   // --- State ---------------------------------------------------------------------------------
   int vehicleStates() const { return vehicle_states_; }
@@ -69,10 +85,18 @@ class CompressedEkf {
   /// everything but the vehicle are put off until something needs them.
   void predict(const Eigen::VectorXd& vehicle, const Eigen::MatrixXd& J, const Eigen::MatrixXd& Q);
 
-  /// Joint update with measurements whose landmarks are all active. Returns the normalised
-  /// innovation squared, or NaN when the innovation covariance is not positive definite; then
-  /// nothing changed.
-  double update(const std::vector<SparseMeasurement>& measurements);
+  /// Joint update with measurements whose landmarks are all active. Refused when an innovation is
+  /// not finite or the innovation covariance not positive definite.
+  UpdateOutcome update(const std::vector<SparseMeasurement>& measurements);
+
+  /// The vehicle's and the active landmarks' states as the update would leave them, to linearise
+  /// there; nothing if it would be refused.
+  std::optional<Eigen::VectorXd> statesAfter(
+      const std::vector<SparseMeasurement>& measurements) const;
+  /// The active landmark's place among such states.
+  Eigen::Vector2d landmarkAmong(const Eigen::VectorXd& states, int slot) const {
+    return states.segment<2>(rowOf(slot));
+  }
 
   /// Innovation covariance block between two measurements of active landmarks, without noise.
   Eigen::Matrix2d innovationCovariance(const SparseMeasurement& a,
@@ -95,8 +119,33 @@ class CompressedEkf {
   void initialiseVehicleStates(int first, const Eigen::VectorXd& value, const Eigen::MatrixXd& G,
                                const Eigen::MatrixXd& noise);
 
-  /// Carries everything accumulated to all landmarks, after which none is active.
-  void globalUpdate();
+  // --- Global update -----------------------------------------------------------------------------
+  /// Carries everything accumulated to all landmarks, after which none is active. False, and
+  /// nothing happens, while the last one is still pending.
+  bool globalUpdate();
+  bool isGlobalUpdatePending() { return store_->isUpdating(); }
+  /// Waits for the worker. Throws std::bad_alloc if there was too little memory.
+  void finishGlobalUpdate() { store_->finish(); }
+
+  /// Number of global updates done, and where the last one put a passive landmark, with the trace
+  /// of its covariance. Unlike landmark(), without what was accumulated since.
+  std::size_t globalUpdatesDone() const { return store_->updatesDone(); }
+  bool isSettled(int slot) const { return storeIndex(slot) + 1 < store_->states().size(); }
+  Eigen::Vector2d settledPosition(int slot) const {
+    return store_->states().segment<2>(storeIndex(slot));
+  }
+  double settledVariance(int slot) const {
+    return store_->variances().segment<2>(storeIndex(slot)).sum();
+  }
+
+  /// Runs `job` on the worker with what is known now of the landmarks in `slots`, whatever happens
+  /// meanwhile; the reader addresses them by storeIndex().
+  void readLater(const std::vector<int>& slots, std::function<void(const EffectReader&)> job);
+
+  /// CPU time of the worker [s].
+  double workerCpu_s() const { return store_->workerCpu_s(); }
+
+  static int storeIndex(int slot) { return kFirstLandmarkIndex + 2 * slot; }
 
   /// Keeps rounding and caller's angles in order: replaces a vehicle state by an equivalent value.
   void setVehicleState(int index, double value) { x_[index] = value; }
@@ -106,7 +155,12 @@ class CompressedEkf {
   static constexpr int kPassive = -1;
   static constexpr int kFree = -2;
 
-  static int storeIndex(int slot) { return kFirstLandmarkIndex + 2 * slot; }
+  /// Innovations and what they are correlated with.
+  struct Linearised {
+    Eigen::MatrixXd HP;        ///< H * P: measurements x states
+    Eigen::MatrixXd L;         ///< Cholesky factor of S = H * P * H' + R, lower triangle
+    Eigen::VectorXd whitened;  ///< L^-1 * innovations
+  };
 
   void startInterval();
   int rowOf(int slot) const;
@@ -130,14 +184,13 @@ class CompressedEkf {
   Eigen::Matrix2d timesMeasurementTransposed(const Eigen::MatrixXd& HP,
                                              const SparseMeasurement& measurement) const;
 
+  std::optional<Linearised> linearise(const std::vector<SparseMeasurement>& measurements) const;
   /// W_b': covariance between the origin states and a passive landmark at the last global update.
   Eigen::Matrix<double, Eigen::Dynamic, 2> originCovariance(int slot) const;
   Eigen::Matrix<double, Eigen::Dynamic, 2> psiTimes(
       const Eigen::Matrix<double, Eigen::Dynamic, 2>& W) const;
 
-  Eigen::MatrixXd storeColumns(const std::vector<int>& columns) const;
-  void updateStore(const Eigen::MatrixXd& W);
-  void writeActiveToStore(const Eigen::MatrixXd& W);
+  IntervalEffect effectSoFar() const;
 
   int vehicle_states_;
 
@@ -149,16 +202,14 @@ class CompressedEkf {
   mutable Eigen::MatrixXd phi_;
   Eigen::MatrixXd psi_;
   Eigen::VectorXd theta_;
-  std::vector<int> origin_slots_;  ///< of the landmarks among the origin states, in order
+  std::vector<int> origin_indices_;  ///< of the origin states in the store
   int origin_states_ = 0;
 
   // Motion not yet applied to the vehicle's cross-covariances and rows of phi.
   mutable Eigen::MatrixXd pending_J_;
   mutable bool motion_pending_ = false;
 
-  // The store: everything as of the last global update. Index: vehicle first, then landmarks.
-  TiledSymmetricMatrix store_;
-  Eigen::VectorXd store_x_;
+  std::unique_ptr<PassiveStore> store_;  ///< index: vehicle first, then landmarks
 
   std::vector<int> rows_;  ///< by slot: row in the active part, kPassive or kFree
   std::vector<int> free_slots_;

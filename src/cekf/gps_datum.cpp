@@ -101,7 +101,7 @@ bool GpsDatum::update(const GpsFix& fix, CompressedEkf& filter) const {
   const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise;
   const double distance2 = measurement.innovation.dot(S.inverse() * measurement.innovation);
   if (!(distance2 <= gate_)) return false;
-  return std::isfinite(filter.update({measurement}));
+  return std::isfinite(filter.update({measurement}).nis);
 }
 
 Matrix2d GpsDatum::noiseOf(const GpsFix& fix) const {

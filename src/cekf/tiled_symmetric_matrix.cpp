@@ -1,29 +1,36 @@
 #include "cekf/tiled_symmetric_matrix.h"
 
 #include <algorithm>
+#include <iterator>
 #include <new>
+#include <utility>
 
 namespace hymm::core {
 namespace {
 
 constexpr int kTile = TiledSymmetricMatrix::kTileSize;
 
-double* allocateZeroTile() {
-  // calloc takes zero pages from the system: a tile costs memory once it is written.
-  void* memory = std::calloc(static_cast<std::size_t>(kTile) * kTile, sizeof(double));
-  if (memory == nullptr) throw std::bad_alloc();
-  return static_cast<double*>(memory);
-}
-
 }  // namespace
 
-void TiledSymmetricMatrix::grow(int size) {
-  const auto rows = static_cast<std::size_t>((size + kTile - 1) / kTile);
-  for (; tile_rows_ < rows; ++tile_rows_) {
-    for (std::size_t column = 0; column <= tile_rows_; ++column) {
-      tiles_.emplace_back(allocateZeroTile());
-    }
-  }
+TiledSymmetricMatrix::Tile TiledSymmetricMatrix::newTile() {
+  void* memory = std::calloc(static_cast<std::size_t>(kTile) * kTile, sizeof(double));
+  if (memory == nullptr) throw std::bad_alloc();
+  return Tile(static_cast<double*>(memory));
+}
+
+std::size_t TiledSymmetricMatrix::tilesToGrow(int size) const {
+  const std::size_t rows = std::max(tileRowsFor(size), tile_rows_);
+  return rows * (rows + 1) / 2 - tiles_.size();
+}
+
+void TiledSymmetricMatrix::grow(int size, std::vector<Tile> tiles) {
+  tile_rows_ = std::max(tileRowsFor(size), tile_rows_);
+  std::move(tiles.begin(), tiles.end(), std::back_inserter(tiles_));
+}
+
+double TiledSymmetricMatrix::operator()(int row, int column) const {
+  if (row < column) std::swap(row, column);
+  return tile(row / kTile, column / kTile)[(column % kTile) * kTile + row % kTile];
 }
 
 void TiledSymmetricMatrix::copyTileColumn(int tile_row, int column, double* destination) const {
@@ -38,12 +45,6 @@ void TiledSymmetricMatrix::copyTileColumn(int tile_row, int column, double* dest
     for (int i = 0; i < offset; ++i) destination[i] = diagonal[i * kTile + offset];
     std::copy_n(diagonal + offset * kTile + offset, kTile - offset, destination + offset);
   }
-}
-
-double* TiledSymmetricMatrix::entry(int row, int column) const {
-  if (row < column) std::swap(row, column);
-  return tiles_[tileIndex(row / kTile, column / kTile)].get() + (column % kTile) * kTile +
-         row % kTile;
 }
 
 }  // namespace hymm::core

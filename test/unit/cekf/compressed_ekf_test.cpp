@@ -1,11 +1,13 @@
 #include "cekf/compressed_ekf.h"
 
 #include <cmath>
+#include <future>
 #include <map>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "cekf/effect_reader.h"
 #include "common/random.h"
 #include "support/full_ekf.h"
 
@@ -28,12 +30,17 @@ MatrixXd randomMatrix(RandomGenerator& generator, int rows, int columns, double 
   return matrix;
 }
 
+struct TwoFiltersState {
+  VectorXd state;
+  MatrixXd covariance;
+};
+
 /// Drives the compressed filter and the full EKF through the same random history.
 class TwoFilters {
  public:
-  explicit TwoFilters(unsigned seed)
+  explicit TwoFilters(unsigned seed, SerialWorker::Mode mode = SerialWorker::Mode::kInline)
       : generator_(seed),
-        compressed_(VectorXd::Zero(kVehicleStates), initialCovariance()),
+        compressed_(VectorXd::Zero(kVehicleStates), initialCovariance(), mode),
         full_(VectorXd::Zero(kVehicleStates), initialCovariance()) {}
 
   void step() {
@@ -45,8 +52,7 @@ class TwoFilters {
     if (dice > 0.6 && dice < 0.63) absoluteFix();
     if (dice > 0.7 && dice < 0.705) initialise();
     observe();
-    if (dice > 0.3 && dice < 0.36) {
-      compressed_.globalUpdate();
+    if (dice > 0.3 && dice < 0.36 && compressed_.globalUpdate()) {
       EXPECT_EQ(compressed_.activeCount(), 0U);
       expectEqual();
     }
@@ -71,7 +77,46 @@ class TwoFilters {
     }
   }
 
-  const CompressedEkf& compressed() const { return compressed_; }
+  CompressedEkf& compressed() { return compressed_; }
+  void append(int count) {
+    for (int i = 0; i < count; ++i) append();
+  }
+
+  /// What a job of the worker reads of all landmarks as they are now.
+  void expectLaterReadingEqual() {
+    std::vector<int> slots;
+    for (const auto& [id, slot] : slots_) slots.push_back(slot);
+    std::map<int, Vector2d> positions;
+    std::map<std::pair<int, int>, Matrix2d> blocks;
+    compressed_.readLater(slots, [&](const EffectReader& reader) {
+      for (const int a : slots) {
+        positions[a] = reader.state(CompressedEkf::storeIndex(a));
+        for (const int b : slots) {
+          blocks[{a, b}] =
+              reader.covariance(CompressedEkf::storeIndex(a), CompressedEkf::storeIndex(b));
+        }
+      }
+    });
+    const auto expected = slots_;
+    const TwoFiltersState now{full_.state(), full_.covariance()};
+    observe();  // what comes later does not matter to the job
+    compressed_.finishGlobalUpdate();
+    const VectorXd sigma = now.covariance.diagonal().cwiseSqrt();
+    for (const auto& [id, slot] : expected) {
+      const Eigen::Index a = full_.index(id);
+      const Vector2d error = positions[slot] - now.state.segment<2>(a);
+      ASSERT_LT(error.cwiseQuotient(sigma.segment<2>(a)).cwiseAbs().maxCoeff(), kExact);
+      for (const auto& [other_id, other_slot] : expected) {
+        const Eigen::Index b = full_.index(other_id);
+        const Matrix2d difference = blocks[{slot, other_slot}] - now.covariance.block<2, 2>(a, b);
+        for (int i = 0; i < 2; ++i) {
+          for (int j = 0; j < 2; ++j) {
+            ASSERT_LT(std::abs(difference(i, j)), kExact * sigma[a + i] * sigma[b + j]);
+          }
+        }
+      }
+    }
+  }
   std::size_t landmarks() const { return slots_.size(); }
 
  private:
@@ -130,7 +175,7 @@ class TwoFilters {
       rows.push_back({m.innovation, m.H_vehicle, {{id, m.H_landmarks[0]}}, m.noise});
       measurements.push_back(m);
     }
-    EXPECT_GT(compressed_.update(measurements), 0.0);
+    EXPECT_GT(compressed_.update(measurements).nis, 0.0);
     full_.update(rows);
   }
 
@@ -197,6 +242,76 @@ TEST(CompressedEkf, EqualsFullEkfBetweenGlobalUpdatesForActiveAndPassiveLandmark
   }
 }
 
+TEST(CompressedEkf, EqualsFullEkfWhileTheGlobalUpdateIsPending) {
+  for (const unsigned seed : {5U, 6U, 7U}) {
+    TwoFilters filters(seed, SerialWorker::Mode::kBackground);
+    CompressedEkf& filter = filters.compressed();
+    filters.append(20);
+    for (int i = 0; i < 40; ++i) filters.step();
+    filter.finishGlobalUpdate();
+    std::promise<void> gate;
+    filter.readLater({}, [open = gate.get_future().share()](const EffectReader&) { open.wait(); });
+    ASSERT_TRUE(filter.globalUpdate());
+    for (int i = 0; i < 40 && !testing::Test::HasFailure(); ++i) {
+      filters.step();
+      filters.expectEqual();
+      ASSERT_TRUE(filter.isGlobalUpdatePending());
+      EXPECT_FALSE(filter.globalUpdate());
+    }
+    gate.set_value();
+    filter.finishGlobalUpdate();
+    EXPECT_FALSE(filter.isGlobalUpdatePending());
+    filters.expectEqual();
+    EXPECT_TRUE(filter.globalUpdate());
+    filters.expectEqual();
+    filter.finishGlobalUpdate();
+    filters.expectEqual();
+  }
+}
+
+TEST(CompressedEkf, EqualsFullEkfWhileTheWorkerReplacesTiles) {
+  TwoFilters filters(8, SerialWorker::Mode::kBackground);
+  CompressedEkf& filter = filters.compressed();
+  filters.append(250);  // 516 states in 15 tiles
+  int read_while_pending = 0;
+  for (int i = 0; i < 12 && !testing::Test::HasFailure(); ++i) {
+    for (int k = 0; k < 3; ++k) filters.step();
+    filter.finishGlobalUpdate();
+    ASSERT_TRUE(filter.globalUpdate());
+    filters.step();
+    filters.expectEqual();
+    if (filter.isGlobalUpdatePending()) ++read_while_pending;
+  }
+  RecordProperty("read_while_pending", read_while_pending);
+}
+
+TEST(CompressedEkf, ReadsLaterWhatWasKnownWhenAsked) {
+  for (const auto mode : {SerialWorker::Mode::kInline, SerialWorker::Mode::kBackground}) {
+    TwoFilters filters(9, mode);
+    for (int i = 0; i < 100 && !testing::Test::HasFailure(); ++i) {
+      filters.step();
+      if (i % 10 == 9) filters.expectLaterReadingEqual();
+    }
+  }
+}
+
+TEST(CompressedEkf, TellsStatesAfterAnUpdateWithoutMakingIt) {
+  CompressedEkf filter(VectorXd::Zero(3), MatrixXd::Identity(3, 3));
+  const int slot = filter.append({1.0, 2.0}, MatrixXd::Identity(2, 3), Matrix2d::Identity());
+  SparseMeasurement m;
+  m.innovation << 0.5, -1.0;
+  m.H_vehicle = MatrixXd::Zero(2, 3);
+  m.landmarks[0] = slot;
+  m.H_landmarks[0] = Matrix2d::Identity();
+  const VectorXd after = filter.statesAfter({m}).value();
+  EXPECT_EQ(filter.landmark(slot), Vector2d(1.0, 2.0));
+  const UpdateOutcome outcome = filter.update({m});
+  EXPECT_LT((after.head<3>() - filter.vehicle()).norm(), 1e-14);
+  EXPECT_LT((filter.landmarkAmong(after, slot) - filter.landmark(slot)).norm(), 1e-14);
+  // Prior variance 2, noise 1: two thirds of the innovation, which is 1.118 m long.
+  EXPECT_NEAR(outcome.largest_landmark_move_m, 2.0 / 3.0 * m.innovation.norm(), 1e-12);
+}
+
 TEST(CompressedEkf, JointCovarianceIsSymmetricAndPositive) {
   CompressedEkf filter(VectorXd::Zero(3), MatrixXd::Identity(3, 3));
   std::vector<int> slots;
@@ -217,7 +332,7 @@ TEST(CompressedEkf, RefusesAnInnovationCovarianceThatIsNotPositive) {
   SparseMeasurement m;
   m.H_vehicle = MatrixXd::Identity(2, 3);
   m.noise = -5.0 * Matrix2d::Identity();
-  EXPECT_TRUE(std::isnan(filter.update({m})));
+  EXPECT_TRUE(std::isnan(filter.update({m}).nis));
   EXPECT_EQ(filter.vehicleCovariance(), MatrixXd::Identity(3, 3));
 }
 
