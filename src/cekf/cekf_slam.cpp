@@ -3,14 +3,19 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
+#include <future>
 #include <limits>
+#include <utility>
 
+#include "cekf/active_area.h"
 #include "cekf/compressed_ekf.h"
 #include "cekf/gps_datum.h"
 #include "cekf/landmark_life_cycle.h"
 #include "cekf/map_snapshot.h"
 #include "cekf/scan_associator.h"
+#include "cekf/scan_update.h"
+#include "cekf/vehicle_state.h"
+#include "common/cpu_timer.h"
 #include "common/gaussian.h"
 #include "perception/perception.h"
 #include "perception/scan_check.h"
@@ -18,28 +23,26 @@
 namespace hymm::core {
 namespace {
 
-double threadCpuTime_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-/// Adds the CPU time of its life to a sum.
-class CpuTimer {
- public:
-  explicit CpuTimer(double& sum_s) : sum_s_(sum_s), start_s_(threadCpuTime_s()) {}
-  ~CpuTimer() { sum_s_ += threadCpuTime_s() - start_s_; }
-  CpuTimer(const CpuTimer&) = delete;
-  CpuTimer& operator=(const CpuTimer&) = delete;
-
- private:
-  double& sum_s_;
-  double start_s_;
-};
-
 bool isUsable(const Observation& observation) {
   return std::isfinite(observation.range_m) && observation.range_m > 0.0 &&
          std::isfinite(observation.bearing_rad) && isCovariance(observation.covariance);
+}
+
+// Beyond the reach of a sensor and of a large correction, a landmark's place may lag behind.
+constexpr double kRefreshRadius_m = 100.0;
+
+void fillJoint(const std::vector<int>& slots, const EffectReader& reader, JointLandmarks& joint) {
+  const auto n = static_cast<Eigen::Index>(2 * slots.size());
+  joint.mean.resize(n);
+  joint.covariance.resize(n, n);
+  for (Eigen::Index a = 0; a < n; a += 2) {
+    const int index_a = CompressedEkf::storeIndex(slots[static_cast<std::size_t>(a / 2)]);
+    joint.mean.segment<2>(a) = reader.state(index_a);
+    for (Eigen::Index b = 0; b < n; b += 2) {
+      joint.covariance.block<2, 2>(a, b) = reader.covariance(
+          index_a, CompressedEkf::storeIndex(slots[static_cast<std::size_t>(b / 2)]));
+    }
+  }
 }
 
 double share(int part, int whole) {
@@ -50,12 +53,15 @@ double share(int part, int whole) {
 
 class CekfSlam::Impl {
  public:
-  Impl(const CekfSlamConfig& config, const VehicleConfig& vehicle)
+  Impl(const CekfSlamConfig& config, const VehicleConfig& vehicle, GlobalUpdates global_updates)
       : config_(config),
         vehicle_config_(vehicle),
+        global_updates_(global_updates),
         perception_(config.perception),
-        associator_(config.association),
+        associator_(config.association, config.update.atFirstEstimates()),
+        scan_update_(config.update.atFirstEstimates() ? 1 : config.update.max_iterations),
         life_cycle_(config.landmarks),
+        area_(config.active_area),
         estimate_(newEstimate()) {}
 
   void takeMotion(const MotionInput& input) {
@@ -102,10 +108,14 @@ class CekfSlam::Impl {
 
   void reset() {
     ++counts_.resets;
-    life_cycle_.setVersion(++version_);
+    ++version_;
     life_cycle_.clear();
+    area_.reset();
     past_gaps_ += estimate_.vehicle.gaps();
+    estimate_.filter.finishGlobalUpdate();
+    past_worker_s_ += estimate_.filter.workerCpu_s();
     estimate_ = newEstimate();
+    settled_updates_ = 0;
     last_scan_s_ = -std::numeric_limits<double>::infinity();
   }
 
@@ -132,39 +142,88 @@ class CekfSlam::Impl {
   std::uint64_t version() const { return version_; }
   std::size_t landmarkCount() const { return life_cycle_.registry().size(); }
 
-  LandmarkMap landmarkMap(double block_range_m) const {
-    LandmarkMap map = snapshotOf(life_cycle_.registry(), estimate_.filter, block_range_m);
-    map.version = version_;
-    map.time_s = estimate_.vehicle.time_s();
-    map.merges = life_cycle_.merges();
-    return map;
+  void requestMap(double block_range_m, std::function<void(LandmarkMap)> take) {
+    std::vector<RegisteredLandmark> landmarks = life_cycle_.registry().all();
+    std::vector<int> slots;
+    for (const RegisteredLandmark& landmark : landmarks) slots.push_back(landmark.slot);
+    LandmarkMap header;
+    header.version = version_;
+    header.time_s = estimate_.vehicle.time_s();
+    header.merges = life_cycle_.merges();
+    estimate_.filter.readLater(
+        slots, [block_range_m, landmarks = std::move(landmarks), header = std::move(header),
+                take = std::move(take)](const EffectReader& reader) {
+          LandmarkMap map = snapshotOf(landmarks, reader, block_range_m);
+          map.version = header.version;
+          map.time_s = header.time_s;
+          map.merges = header.merges;
+          take(std::move(map));
+        });
   }
 
-  LandmarkUpdate updateSince(std::uint64_t since) const {
+  LandmarkMap landmarkMap(double block_range_m) {
+    std::promise<LandmarkMap> promise;
+    requestMap(block_range_m, [&](LandmarkMap map) { promise.set_value(std::move(map)); });
+    return promise.get_future().get();
+  }
+
+  bool hasLandmark(int id) const { return life_cycle_.registry().contains(id); }
+
+  bool requestJointLandmarks(const std::vector<int>& ids,
+                             std::function<void(JointLandmarks)> take) {
+    std::vector<int> slots;
+    for (const int id : ids) {
+      if (!hasLandmark(id)) return false;
+      slots.push_back(life_cycle_.registry().byId(id).slot);
+    }
+    JointLandmarks header;
+    header.version = version_;
+    header.time_s = estimate_.vehicle.time_s();
+    header.ids = ids;
+    estimate_.filter.readLater(slots, [slots, header, take = std::move(take)](const auto& reader) {
+      JointLandmarks joint = header;
+      fillJoint(slots, reader, joint);
+      take(std::move(joint));
+    });
+    return true;
+  }
+
+  LandmarkUpdate takeUpdate() {
+    LandmarkLifeCycle::Changes changes = life_cycle_.takeChanges();
     LandmarkUpdate update;
-    update.since_version = since;
+    update.since_version = std::exchange(told_version_, version_);
     update.version = version_;
-    const LandmarkRegistry& registry = life_cycle_.registry();
-    for (const int id : registry.ids()) {
-      const RegisteredLandmark& landmark = registry.byId(id);
-      if (landmark.changed_version <= since) continue;
-      update.changed.push_back(estimateOf(landmark, estimate_.filter));
+    for (const int id : changes.changed_ids) {
+      update.changed.push_back(estimateOf(life_cycle_.registry().byId(id), estimate_.filter));
     }
-    for (const auto& [version, id] : life_cycle_.removals()) {
-      if (version > since) update.removed_ids.push_back(id);
-    }
-    update.merges = life_cycle_.merges();
+    update.removed_ids = std::move(changes.removed_ids);
+    update.merges = std::move(changes.merges);
     return update;
   }
 
-  const Counts& counts() const {
-    counts_.motion_gaps = past_gaps_ + estimate_.vehicle.gaps();
-    counts_.landmarks_created = life_cycle_.counts().created;
-    counts_.landmarks_dropped = life_cycle_.counts().dropped;
-    counts_.landmarks_merged = life_cycle_.counts().merged;
-    return counts_;
+  bool isGlobalUpdatePending() { return estimate_.filter.isGlobalUpdatePending(); }
+
+  Counts counts() const {
+    Counts counts = counts_;
+    counts.motion_gaps = past_gaps_ + estimate_.vehicle.gaps();
+    counts.landmarks_created = life_cycle_.counts().created;
+    counts.landmarks_dropped = life_cycle_.counts().dropped;
+    counts.landmarks_merged = life_cycle_.counts().merged;
+    counts.iterated_updates = scan_update_.iterated();
+    counts.area_switches = area_.counts().switches;
+    counts.global_updates = area_.counts().global_updates;
+    counts.deferred_global_updates = area_.counts().deferred;
+    counts.global_update_waits = area_.counts().waits;
+    return counts;
   }
-  const CpuTimes& cpuTimes() const { return cpu_times_; }
+
+  CpuTimes cpuTimes() const {
+    CpuTimes times = cpu_times_;
+    times.worker_s = past_worker_s_ + estimate_.filter.workerCpu_s();
+    // What an inline worker does after the last scan is not in the filter's time.
+    if (global_updates_ == GlobalUpdates::kInline) times.filter_s -= inline_worker_s_;
+    return times;
+  }
 
  private:
   /// What begins anew with each recording.
@@ -172,13 +231,13 @@ class CekfSlam::Impl {
     VehicleState vehicle;
     CompressedEkf filter;
     std::optional<GpsDatum> gps;
-    Eigen::Vector2d area_centre = Eigen::Vector2d::Zero();
   };
 
   Estimate newEstimate() const {
-    VehicleState vehicle(vehicle_config_, config_.motion_input == "odom", config_.gps.enabled);
-    CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance());
-    Estimate estimate{vehicle, std::move(filter), std::nullopt, Eigen::Vector2d::Zero()};
+    VehicleState vehicle(vehicle_config_, config_.motion_input == "odom", config_.gps.enabled,
+                         config_.update.atFirstEstimates());
+    CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance(), global_updates_);
+    Estimate estimate{vehicle, std::move(filter), std::nullopt};
     if (config_.gps.enabled) estimate.gps.emplace(config_.gps, vehicle.gpsDatumIndex());
     return estimate;
   }
@@ -197,23 +256,25 @@ class CekfSlam::Impl {
     outcome.accepted = true;
     refuseUnusable(set);
     last_scan_s_ = set.time_s;
-    life_cycle_.setVersion(++version_);
+    ++version_;
     if (!estimate_.vehicle.hasInput()) ++counts_.scans_without_motion;
     estimate_.vehicle.moveTo(estimate_.filter, set.time_s);
 
-    SensorPlacement sensor = estimate_.vehicle.placement(set.T_base_sensor, estimate_.filter);
     ScanAssociation association =
-        associator_.associate(set, sensor, life_cycle_.registry(), estimate_.filter);
-    outcome.health = update(association);
-    sensor = estimate_.vehicle.placement(set.T_base_sensor, estimate_.filter);
+        associator_.associate(set, sensorPlacement(set), life_cycle_.registry(), estimate_.filter);
+    update(set, association, outcome);
+    const SensorPlacement sensor = sensorPlacement(set);
     life_cycle_.confirm(set, association);
-    const std::vector<int> created = life_cycle_.create(set, sensor, association, estimate_.filter);
+    const std::vector<int> created = life_cycle_.create(
+        set, sensor, association, estimate_.vehicle.predictedPose(), estimate_.filter);
     const int missed =
         scan != nullptr ? life_cycle_.miss(*scan, set, sensor, association, estimate_.filter) : 0;
     countObservations(association, created, missed, outcome);
-    outcome.largest_correction_m = life_cycle_.refreshActive(estimate_.filter);
-    life_cycle_.merge(association, estimate_.filter);
-    moveActiveArea(outcome.largest_correction_m);
+    outcome.largest_correction_m =
+        std::max(outcome.largest_correction_m, life_cycle_.merge(association, estimate_.filter));
+    life_cycle_.refreshActive(estimate_.filter);
+    if (outcome.largest_correction_m > config_.large_correction_m) spreadCorrection();
+    keepActiveArea();
 
     ++counts_.scans;
     outcome.pose = pose();
@@ -231,19 +292,23 @@ class CekfSlam::Impl {
     observations.erase(bad, observations.end());
   }
 
-  FilterHealth update(ScanAssociation& association) {
-    FilterHealth health;
-    if (association.measurements.empty()) return health;
-    const double nis = estimate_.filter.update(association.measurements).nis;
-    if (!std::isfinite(nis)) {
+  SensorPlacement sensorPlacement(const ObservationSet& set) const {
+    return estimate_.vehicle.placement(set.T_base_sensor, estimate_.filter.vehicle());
+  }
+
+  void update(const ObservationSet& set, ScanAssociation& association, ScanOutcome& outcome) {
+    if (association.measurements.empty()) return;
+    const UpdateOutcome update =
+        scan_update_.update(set, association, estimate_.vehicle, estimate_.filter);
+    if (!std::isfinite(update.nis)) {
       association.slots.assign(association.slots.size(), ScanAssociation::kNone);
-      return health;
+      return;
     }
     const Eigen::VectorXd state = estimate_.filter.vehicle();
     estimate_.filter.setVehicleState(2, wrapAngle(state[2]));
-    health.nis = nis;
-    health.dof = 2 * static_cast<int>(association.measurements.size());
-    return health;
+    outcome.health.nis = update.nis;
+    outcome.health.dof = 2 * static_cast<int>(association.measurements.size());
+    outcome.largest_correction_m = update.largest_landmark_move_m;
   }
 
   void countObservations(const ScanAssociation& association, const std::vector<int>& created,
@@ -285,41 +350,55 @@ class CekfSlam::Impl {
     health.latency_ms = elapsed.count();
   }
 
-  /// Global update when the vehicle has left its cell, when the active part has grown too large, or
-  /// when a correction would otherwise shear the map at the border of the active part.
-  void moveActiveArea(double correction_m) {
-    const bool corrected = correction_m > config_.large_correction_m;
-    if (corrected) ++counts_.map_corrections;
-    const ActiveAreaConfig& area = config_.active_area;
-    const Eigen::Vector2d position = VehicleState::pose(estimate_.filter).position();
-    const double away = (position - estimate_.area_centre).cwiseAbs().maxCoeff();
-    const bool left = away > 0.5 * area.cell_m + area.hysteresis_m;
-    const bool full = estimate_.filter.originStates() > area.max_origin_states;
-    if (!left && !full && !corrected) return;
-    if (left) {
-      estimate_.area_centre = (position / area.cell_m).array().round() * area.cell_m;
-      ++counts_.area_switches;
+  /// What a large correction has moved is looked for in its new place at once, and carried to all.
+  void spreadCorrection() {
+    ++counts_.map_corrections;
+    life_cycle_.refreshNear(VehicleState::pose(estimate_.filter).position(), kRefreshRadius_m,
+                            estimate_.filter);
+    area_.demandUpdate();
+    if (!config_.update.atFirstEstimates()) return;
+    ++counts_.first_estimate_resets;
+    life_cycle_.resetFirstEstimates();
+    estimate_.vehicle.resetFirstEstimate(estimate_.filter);
+  }
+
+  void keepActiveArea() {
+    const double worker_s = estimate_.filter.workerCpu_s();
+    if (area_.follow(VehicleState::pose(estimate_.filter).position())) {
       life_cycle_.dropUnconfirmed(last_scan_s_, estimate_.filter);
     }
-    estimate_.filter.globalUpdate();
-    life_cycle_.refreshAll(estimate_.filter);
+    area_.updateIfDue(estimate_.filter);
+    const bool pending = estimate_.filter.isGlobalUpdatePending();
+    if (!pending && estimate_.filter.globalUpdatesDone() != settled_updates_) {
+      settled_updates_ = estimate_.filter.globalUpdatesDone();
+      life_cycle_.refreshSettled(estimate_.filter);
+    }
+    inline_worker_s_ += estimate_.filter.workerCpu_s() - worker_s;
   }
 
   CekfSlamConfig config_;
   VehicleConfig vehicle_config_;
+  GlobalUpdates global_updates_;
   Perception perception_;
   ScanAssociator associator_;
+  ScanUpdate scan_update_;
   LandmarkLifeCycle life_cycle_;
+  ActiveArea area_;
   Estimate estimate_;
+  std::size_t settled_updates_ = 0;  ///< global updates whose places life_cycle_ knows
   std::uint64_t version_ = 0;
+  std::uint64_t told_version_ = 0;  ///< up to which takeUpdate() has told
   double last_scan_s_ = -std::numeric_limits<double>::infinity();
   std::size_t past_gaps_ = 0;
-  mutable Counts counts_;
+  double past_worker_s_ = 0.0;
+  double inline_worker_s_ = 0.0;  ///< of global updates, within filter_s
+  Counts counts_;
   CpuTimes cpu_times_;
 };
 
-CekfSlam::CekfSlam(const CekfSlamConfig& config, const VehicleConfig& vehicle)
-    : impl_(std::make_unique<Impl>(config, vehicle)) {}
+CekfSlam::CekfSlam(const CekfSlamConfig& config, const VehicleConfig& vehicle,
+                   GlobalUpdates global_updates)
+    : impl_(std::make_unique<Impl>(config, vehicle, global_updates)) {}
 CekfSlam::~CekfSlam() = default;
 CekfSlam::CekfSlam(CekfSlam&&) noexcept = default;
 CekfSlam& CekfSlam::operator=(CekfSlam&&) noexcept = default;
@@ -356,11 +435,18 @@ Eigen::Matrix3d CekfSlam::calibrationCovariance() const { return impl_->calibrat
 LaserCalibration CekfSlam::laserCalibration() const { return impl_->laserCalibration(); }
 std::uint64_t CekfSlam::mapVersion() const { return impl_->version(); }
 std::size_t CekfSlam::landmarkCount() const { return impl_->landmarkCount(); }
-LandmarkMap CekfSlam::landmarkMap(double range_m) const { return impl_->landmarkMap(range_m); }
-LandmarkUpdate CekfSlam::updateSince(std::uint64_t version) const {
-  return impl_->updateSince(version);
+void CekfSlam::requestMap(double block_range_m, std::function<void(LandmarkMap)> take) {
+  impl_->requestMap(block_range_m, std::move(take));
 }
-const CekfSlam::Counts& CekfSlam::counts() const { return impl_->counts(); }
-const CekfSlam::CpuTimes& CekfSlam::cpuTimes() const { return impl_->cpuTimes(); }
+LandmarkMap CekfSlam::landmarkMap(double range_m) { return impl_->landmarkMap(range_m); }
+bool CekfSlam::hasLandmark(int id) const { return impl_->hasLandmark(id); }
+bool CekfSlam::requestJointLandmarks(const std::vector<int>& ids,
+                                     std::function<void(JointLandmarks)> take) {
+  return impl_->requestJointLandmarks(ids, std::move(take));
+}
+LandmarkUpdate CekfSlam::takeUpdate() { return impl_->takeUpdate(); }
+bool CekfSlam::isGlobalUpdatePending() { return impl_->isGlobalUpdatePending(); }
+CekfSlam::Counts CekfSlam::counts() const { return impl_->counts(); }
+CekfSlam::CpuTimes CekfSlam::cpuTimes() const { return impl_->cpuTimes(); }
 
 }  // namespace hymm::core

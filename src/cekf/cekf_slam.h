@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "cekf/landmark_map.h"
 #include "cekf/vehicle_state.h"
 #include "common/pose2.h"
+#include "common/serial_worker.h"
 #include "pipeline/sensor_event.h"
 #include "vehicle/motion_model.h"
 
@@ -78,18 +80,30 @@ class CekfSlam {
     std::size_t landmarks_dropped = 0;
     std::size_t landmarks_merged = 0;
     std::size_t area_switches = 0;
-    std::size_t map_corrections = 0;  ///< scans that moved an active landmark by over 0.5 m
+    std::size_t global_updates = 0;
+    std::size_t deferred_global_updates = 0;  ///< that waited for the one before
+    std::size_t global_update_waits = 0;      ///< scans that waited, the active part being full
+    std::size_t map_corrections =
+        0;  ///< scans that moved an active landmark by over large_correction_m
+    std::size_t iterated_updates = 0;
+    std::size_t first_estimate_resets = 0;
     std::size_t resets = 0;
   };
 
   /// CPU of the parts, in seconds, since construction.
   struct CpuTimes {
     double perception_s = 0.0;
-    double filter_s = 0.0;
+    double filter_s = 0.0;  ///< on the calling thread, without what an inline worker did
+    double worker_s = 0.0;  ///< global updates, and maps on request
   };
 
+  /// On a thread of its own, a global update and a map cost a scan nothing. Inline, the same events
+  /// give the same bits.
+  using GlobalUpdates = SerialWorker::Mode;
+
   /// Throws ConfigError if the configuration is unusable.
-  CekfSlam(const CekfSlamConfig& config, const VehicleConfig& vehicle);
+  CekfSlam(const CekfSlamConfig& config, const VehicleConfig& vehicle,
+           GlobalUpdates global_updates = GlobalUpdates::kInline);
   ~CekfSlam();
   CekfSlam(CekfSlam&&) noexcept;
   CekfSlam& operator=(CekfSlam&&) noexcept;
@@ -107,15 +121,26 @@ class CekfSlam {
   std::uint64_t mapVersion() const;
   std::size_t landmarkCount() const;
 
-  /// All landmarks in one epoch; cross-covariances for pairs no farther apart than
-  /// `block_range_m` (0: none).
-  LandmarkMap landmarkMap(double block_range_m) const;
+  /// Hands all landmarks as they are now (one epoch) to `take`, on the worker's thread, at the
+  /// latest when the engine is reset or destroyed. Cross-covariances for pairs no farther apart
+  /// than `block_range_m` (0: none).
+  void requestMap(double block_range_m, std::function<void(LandmarkMap)> take);
+  /// The same, and waits for it.
+  LandmarkMap landmarkMap(double block_range_m);
 
-  /// What changed since `version`.
-  LandmarkUpdate updateSince(std::uint64_t version) const;
+  /// Hands the joint estimate of landmarks as they are now to `take`, on the worker's thread.
+  /// False, and nothing happens, if there is no landmark of one of these ids.
+  bool requestJointLandmarks(const std::vector<int>& ids, std::function<void(JointLandmarks)> take);
+  bool hasLandmark(int id) const;
 
-  const Counts& counts() const;
-  const CpuTimes& cpuTimes() const;
+  /// What changed since the last call, or since the start.
+  LandmarkUpdate takeUpdate();
+
+  /// Whether a global update is on its way.
+  bool isGlobalUpdatePending();
+
+  Counts counts() const;
+  CpuTimes cpuTimes() const;
 
  private:
   class Impl;

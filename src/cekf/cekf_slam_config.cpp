@@ -15,7 +15,20 @@ void ActiveAreaConfig::describe(ConfigSchema& schema) {
   schema.number("hysteresis_m", hysteresis_m, Range::notNegative(),
                 "how far beyond the border of its cell the vehicle must be");
   schema.integer("max_origin_states", max_origin_states, Range::between(32, 4000),
-                 "states activated since the last global update that force the next one");
+                 "states activated since the last global update that call for the next one; at "
+                 "twice as many a "
+                 "scan waits for one that is still pending");
+}
+
+void UpdateConfig::describe(ConfigSchema& schema) {
+  schema.text(
+      "linearisation", linearisation,
+      "where Jacobians are taken: at the latest estimates, or at each landmark's first one, "
+      "which keeps directions that nothing observes free of information",
+      {"latest", "first_estimates"});
+  schema.integer("max_iterations", max_iterations, Range::between(1, 20),
+                 "of an update whose correction the measurements are not linear over; 1 never "
+                 "repeats one, nor do first estimates");
 }
 
 void AssociationConfig::describe(ConfigSchema& schema) {
@@ -95,6 +108,7 @@ void CekfSlamConfig::describe(ConfigSchema& schema) {
   schema.group("merger", merger);
   schema.group("perception", perception);
   schema.group("active_area", active_area);
+  schema.group("update", update);
   schema.group("association", association);
   schema.group("landmarks", landmarks);
   schema.group("gps", gps);

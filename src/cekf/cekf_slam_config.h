@@ -17,6 +17,15 @@ struct ActiveAreaConfig {
   void describe(ConfigSchema& schema);
 };
 
+/// How a scan corrects the state.
+struct UpdateConfig {
+  std::string linearisation = "latest";  ///< or "first_estimates"
+  int max_iterations = 3;                ///< of one update, with "latest"
+
+  bool atFirstEstimates() const { return linearisation == "first_estimates"; }
+  void describe(ConfigSchema& schema);
+};
+
 /// Which observation belongs to which landmark.
 struct AssociationConfig {
   double individual_probability = 0.99;      ///< chi-square gate of one observation
@@ -71,6 +80,7 @@ struct CekfSlamConfig {
   SensorMergerConfig merger;
   PerceptionConfig perception;
   ActiveAreaConfig active_area;
+  UpdateConfig update;
   AssociationConfig association;
   LandmarkConfig landmarks;
   GpsConfig gps;

@@ -63,6 +63,7 @@ void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation
     landmark.existence_log_odds =
         std::min(landmark.existence_log_odds + hit_log_odds_, kLargestLogOdds);
     if (landmark.type == LandmarkType::kUnknown) landmark.type = observation.type;
+    if (landmark.observations >= config_.confirm_observations) unconfirmed_ids_.erase(landmark.id);
     fuseDiameter(observation, landmark);
   }
   noteNeighboursSeenTogether(association.slots);
@@ -71,20 +72,20 @@ void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation
 void LandmarkLifeCycle::noteNeighboursSeenTogether(const std::vector<int>& slots) {
   for (std::size_t i = 0; i < slots.size(); ++i) {
     if (slots[i] == ScanAssociation::kNone) continue;
-    RegisteredLandmark& a = registry_.bySlot(slots[i]);
+    const RegisteredLandmark& a = registry_.bySlot(slots[i]);
     for (std::size_t j = i + 1; j < slots.size(); ++j) {
       if (slots[j] == ScanAssociation::kNone) continue;
-      RegisteredLandmark& b = registry_.bySlot(slots[j]);
+      const RegisteredLandmark& b = registry_.bySlot(slots[j]);
       if ((a.position - b.position).norm() > kNeighbourhood_m) continue;
-      a.distinct_from.insert(b.id);
-      b.distinct_from.insert(a.id);
+      distinct_from_[a.id].insert(b.id);
+      distinct_from_[b.id].insert(a.id);
     }
   }
 }
 
 std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set, const SensorPlacement& sensor,
                                            const ScanAssociation& association,
-                                           CompressedEkf& filter) {
+                                           const Pose2& predicted, CompressedEkf& filter) {
   std::vector<int> created(set.observations.size(), ScanAssociation::kNone);
   // The first landmarks fix the map: each second without them is drift that stays.
   const bool at_once = registry_.size() == 0;
@@ -94,7 +95,9 @@ std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set, const Sens
       continue;
     }
     const Observation& observation = set.observations[i];
-    if (observation.identity < 0) {
+    if (observation.identity >= 0) {
+      if (registry_.findIdentity(observation.identity) != nullptr) continue;  // twice in this set
+    } else {
       const LocatedLandmark located =
           locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
                          observation.range_m - sensor.range_offset_m, observation.bearing_rad);
@@ -106,7 +109,7 @@ std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set, const Sens
         continue;
       }
     }
-    created[i] = promote(observation, set, sensor, filter);
+    created[i] = promote(observation, set, sensor, predicted, filter);
   }
   tentative_.expire(scan_number_);
   return created;
@@ -117,7 +120,8 @@ bool LandmarkLifeCycle::isFarFromOthers(const Vector2d& position) const {
 }
 
 int LandmarkLifeCycle::promote(const Observation& observation, const ObservationSet& set,
-                               const SensorPlacement& sensor, CompressedEkf& filter) {
+                               const SensorPlacement& sensor, const Pose2& predicted,
+                               CompressedEkf& filter) {
   const LocatedLandmark located =
       locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
                      observation.range_m - sensor.range_offset_m, observation.bearing_rad);
@@ -136,8 +140,13 @@ int LandmarkLifeCycle::promote(const Observation& observation, const Observation
   landmark.existence_log_odds = hit_log_odds_;
   landmark.position = located.position;
   landmark.deviation_m = std::sqrt(filter.covariance(landmark.slot, landmark.slot).trace());
-  landmark.changed_version = version_;
+  const Pose2 pose = VehicleState::pose(filter);
+  landmark.first_estimate = located.position + predicted.position() - pose.position();
   registry_.add(landmark);
+  changed_ids_.insert(landmark.id);
+  if (landmark.identity < 0 && landmark.observations < config_.confirm_observations) {
+    unconfirmed_ids_.insert(landmark.id);
+  }
   ++counts_.created;
   return landmark.slot;
 }
@@ -165,19 +174,16 @@ int LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
 }
 
 void LandmarkLifeCycle::dropUnconfirmed(double time_s, CompressedEkf& filter) {
-  for (const int id : registry_.ids()) {
-    const RegisteredLandmark& landmark = registry_.byId(id);
-    if (landmark.identity >= 0 || landmark.observations >= config_.confirm_observations ||
-        time_s - landmark.last_seen_s < config_.unconfirmed_life_s) {
-      continue;
-    }
+  const std::set<int> unconfirmed_ids = unconfirmed_ids_;
+  for (const int id : unconfirmed_ids) {
+    if (time_s - registry_.byId(id).last_seen_s < config_.unconfirmed_life_s) continue;
     drop(id, filter);
     ++counts_.dropped;
   }
 }
 
-void LandmarkLifeCycle::merge(const ScanAssociation& association, CompressedEkf& filter) {
-  if (config_.merge_distance_m <= 0.0) return;
+double LandmarkLifeCycle::merge(const ScanAssociation& association, CompressedEkf& filter) {
+  if (config_.merge_distance_m <= 0.0) return 0.0;
   for (const int slot : association.slots) {
     if (slot == ScanAssociation::kNone) continue;
     const RegisteredLandmark& landmark = registry_.bySlot(slot);
@@ -186,15 +192,18 @@ void LandmarkLifeCycle::merge(const ScanAssociation& association, CompressedEkf&
       const RegisteredLandmark& other = registry_.bySlot(other_slot);
       if (!areOneObject(landmark, other, filter)) continue;
       // The older one stays: others may already refer to it.
-      fuse(std::min(landmark.id, other.id), std::max(landmark.id, other.id), filter);
-      return;  // one a scan is plenty, and references are void now
+      // One a scan is plenty, and references are void now.
+      return fuse(std::min(landmark.id, other.id), std::max(landmark.id, other.id), filter);
     }
   }
+  return 0.0;
 }
 
 bool LandmarkLifeCycle::areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
                                      CompressedEkf& filter) const {
-  if (a.distinct_from.count(b.id) > 0 || a.identity >= 0 || b.identity >= 0) return false;
+  const auto distinct = distinct_from_.find(a.id);
+  if (distinct != distinct_from_.end() && distinct->second.count(b.id) > 0) return false;
+  if (a.identity >= 0 || b.identity >= 0) return false;
   if (a.type != b.type && a.type != LandmarkType::kUnknown && b.type != LandmarkType::kUnknown) {
     return false;
   }
@@ -208,7 +217,7 @@ bool LandmarkLifeCycle::areOneObject(const RegisteredLandmark& a, const Register
   return difference.dot(covariance.inverse() * difference) <= merge_gate_;
 }
 
-void LandmarkLifeCycle::fuse(int id_kept, int id_gone, CompressedEkf& filter) {
+double LandmarkLifeCycle::fuse(int id_kept, int id_gone, CompressedEkf& filter) {
   RegisteredLandmark& kept = registry_.byId(id_kept);
   const RegisteredLandmark gone = registry_.byId(id_gone);
   SparseMeasurement same_place;
@@ -219,52 +228,86 @@ void LandmarkLifeCycle::fuse(int id_kept, int id_gone, CompressedEkf& filter) {
   same_place.H_landmarks[0] = Matrix2d::Identity();
   same_place.H_landmarks[1] = -Matrix2d::Identity();
   same_place.noise = kFusionVariance * Matrix2d::Identity();
-  filter.update({same_place});
+  const UpdateOutcome outcome = filter.update({same_place});
 
   kept.observations += gone.observations;
   kept.farthest_seen_m = std::max(kept.farthest_seen_m, gone.farthest_seen_m);
   kept.last_seen_s = std::max(kept.last_seen_s, gone.last_seen_s);
   kept.existence_log_odds = std::max(kept.existence_log_odds, gone.existence_log_odds);
-  kept.distinct_from.insert(gone.distinct_from.begin(), gone.distinct_from.end());
+  if (kept.observations >= config_.confirm_observations) unconfirmed_ids_.erase(kept.id);
+  const std::set<int> others = distinct_from_[gone.id];
+  distinct_from_[kept.id].insert(others.begin(), others.end());
   drop(id_gone, filter);
   merges_.push_back({id_gone, id_kept});
   ++counts_.merged;
+  return outcome.largest_landmark_move_m;
 }
 
 void LandmarkLifeCycle::drop(int id, CompressedEkf& filter) {
   filter.remove(registry_.byId(id).slot);
   registry_.remove(id);
-  removals_.emplace_back(version_, id);
+  distinct_from_.erase(id);
+  unconfirmed_ids_.erase(id);
+  changed_ids_.erase(id);
+  removed_ids_.push_back(id);
 }
 
-double LandmarkLifeCycle::refreshActive(const CompressedEkf& filter) {
-  double farthest = 0.0;
+void LandmarkLifeCycle::refreshActive(const CompressedEkf& filter) {
   for (const int slot : filter.activeSlots()) {
     RegisteredLandmark& landmark = registry_.bySlot(slot);
-    const double moved = registry_.move(landmark, filter.landmark(slot));
-    farthest = std::max(farthest, moved);
-    landmark.changed_version = version_;
+    registry_.move(landmark, filter.landmark(slot));
+    changed_ids_.insert(landmark.id);
   }
-  return farthest;
 }
 
-void LandmarkLifeCycle::refreshAll(const CompressedEkf& filter) {
-  std::vector<std::pair<int, double>> deviations;
-  for (const int id : registry_.ids()) {
-    RegisteredLandmark& landmark = registry_.byId(id);
-    if (registry_.move(landmark, filter.landmark(landmark.slot)) > kNoticeableMove_m) {
-      landmark.changed_version = version_;
+void LandmarkLifeCycle::refreshSettled(const CompressedEkf& filter) {
+  for (RegisteredLandmark& landmark : registry_.slots()) {
+    const int slot = landmark.slot;
+    if (landmark.id < 0 || filter.isActive(slot) || !filter.isSettled(slot)) continue;
+    landmark.deviation_m = std::sqrt(filter.settledVariance(slot));
+    const Vector2d position = filter.settledPosition(slot);
+    if ((position - landmark.position).norm() > kNoticeableMove_m) {
+      registry_.move(landmark, position);
     }
-    deviations.emplace_back(id, std::sqrt(filter.covariance(landmark.slot, landmark.slot).trace()));
   }
-  registry_.setDeviations(deviations);
+  registry_.noteLargestDeviation();
+}
+
+void LandmarkLifeCycle::refreshNear(const Vector2d& centre, double radius_m,
+                                    const CompressedEkf& filter) {
+  for (const int slot : registry_.slotsNear(centre, radius_m)) {
+    registry_.move(registry_.bySlot(slot), filter.landmark(slot));
+  }
+}
+
+void LandmarkLifeCycle::resetFirstEstimates() {
+  for (RegisteredLandmark& landmark : registry_.slots())
+    landmark.first_estimate = landmark.position;
+}
+
+LandmarkLifeCycle::Changes LandmarkLifeCycle::takeChanges() {
+  Changes changes;
+  changes.changed_ids.assign(changed_ids_.begin(), changed_ids_.end());
+  std::sort(changes.changed_ids.begin(), changes.changed_ids.end());
+  changes.removed_ids = std::move(removed_ids_);
+  std::sort(changes.removed_ids.begin(), changes.removed_ids.end());
+  changes.merges.assign(merges_.begin() + static_cast<std::ptrdiff_t>(merges_taken_),
+                        merges_.end());
+  merges_taken_ = merges_.size();
+  changed_ids_.clear();
+  removed_ids_.clear();
+  return changes;
 }
 
 void LandmarkLifeCycle::clear() {
-  for (const int id : registry_.ids()) removals_.emplace_back(version_, id);
+  for (const RegisteredLandmark& landmark : registry_.all()) removed_ids_.push_back(landmark.id);
   registry_.clear();
   tentative_.clear();
   merges_.clear();
+  merges_taken_ = 0;
+  changed_ids_.clear();
+  unconfirmed_ids_.clear();
+  distinct_from_.clear();
   next_id_ = 0;
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <cstdint>
-#include <utility>
+#include <set>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "cekf/cekf_slam_config.h"
@@ -30,9 +31,11 @@ class LandmarkLifeCycle {
   void confirm(const ObservationSet& set, const ScanAssociation& association);
 
   /// Lets observations without a landmark become tentative ones, and promotes those seen often
-  /// enough into the state. Returns by observation the new landmark's slot, or kNone.
+  /// enough into the state. Returns by observation the new landmark's slot, or kNone. `predicted`:
+  /// where Jacobians took the vehicle to be, before the scan corrected it.
   std::vector<int> create(const ObservationSet& set, const SensorPlacement& sensor,
-                          const ScanAssociation& association, CompressedEkf& filter);
+                          const ScanAssociation& association, const Pose2& predicted,
+                          CompressedEkf& filter);
 
   /// Landmarks that `scan` should have shown and did not lose odds of existence; those that lost
   /// too much are dropped. Returns how many were missed.
@@ -42,33 +45,42 @@ class LandmarkLifeCycle {
   /// Drops landmarks that were seen too seldom to be trusted and have been left behind.
   void dropUnconfirmed(double time_s, CompressedEkf& filter);
 
-  /// Fuses landmarks of this scan with others that are the same object.
-  void merge(const ScanAssociation& association, CompressedEkf& filter);
+  /// Fuses landmarks of this scan with others that are the same object. Returns how far that moved
+  /// an active landmark [m].
+  double merge(const ScanAssociation& association, CompressedEkf& filter);
 
-  /// Takes over the filter's positions of active landmarks; returns the farthest move [m].
-  double refreshActive(const CompressedEkf& filter);
-  /// The same for all landmarks, with their deviations.
-  void refreshAll(const CompressedEkf& filter);
+  /// Takes over the filter's positions of active landmarks.
+  void refreshActive(const CompressedEkf& filter);
+  /// Takes over where the last global update put the passive ones, with their deviations.
+  void refreshSettled(const CompressedEkf& filter);
+  /// Takes over the filter's positions of all landmarks within `radius_m`, active or not.
+  void refreshNear(const Eigen::Vector2d& centre, double radius_m, const CompressedEkf& filter);
+  /// Lets Jacobians be taken at the present estimates from now on.
+  void resetFirstEstimates();
 
-  /// Everything changed from now on carries `version`.
-  void setVersion(std::uint64_t version) { version_ = version; }
   void clear();
 
   LandmarkRegistry& registry() { return registry_; }
   const LandmarkRegistry& registry() const { return registry_; }
   const std::vector<LandmarkMerge>& merges() const { return merges_; }
-  /// (version, id) of each landmark that left.
-  const std::vector<std::pair<std::uint64_t, int>>& removals() const { return removals_; }
+
+  /// What became of landmarks since the last call.
+  struct Changes {
+    std::vector<int> changed_ids, removed_ids;  ///< ascending
+    std::vector<LandmarkMerge> merges;
+  };
+  Changes takeChanges();
+
   const Counts& counts() const { return counts_; }
 
  private:
   bool isFarFromOthers(const Eigen::Vector2d& position) const;
   int promote(const Observation& observation, const ObservationSet& set,
-              const SensorPlacement& sensor, CompressedEkf& filter);
+              const SensorPlacement& sensor, const Pose2& predicted, CompressedEkf& filter);
   void noteNeighboursSeenTogether(const std::vector<int>& slots);
   bool areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
                     CompressedEkf& filter) const;
-  void fuse(int id_kept, int id_gone, CompressedEkf& filter);
+  double fuse(int id_kept, int id_gone, CompressedEkf& filter);
   void drop(int id, CompressedEkf& filter);
 
   LandmarkConfig config_;
@@ -77,8 +89,12 @@ class LandmarkLifeCycle {
   LandmarkRegistry registry_;
   TentativeLandmarks tentative_;
   std::vector<LandmarkMerge> merges_;
-  std::vector<std::pair<std::uint64_t, int>> removals_;
-  std::uint64_t version_ = 0;
+  std::size_t merges_taken_ = 0;
+  std::unordered_set<int> changed_ids_;
+  std::vector<int> removed_ids_;
+  std::set<int> unconfirmed_ids_;
+  /// By id: ids of close landmarks seen in the same scan, which are other objects.
+  std::unordered_map<int, std::set<int>> distinct_from_;
   long scan_number_ = 0;
   int next_id_ = 0;
   Counts counts_;

@@ -43,11 +43,20 @@ struct LandmarkMap {
   std::vector<CrossCovariance> cross_covariances;  ///< pairs within the range asked for
 };
 
-/// What one scan changed.
+/// Several landmarks, jointly.
+struct JointLandmarks {
+  std::uint64_t version = 0;
+  double time_s = 0.0;
+  std::vector<int> ids;
+  Eigen::VectorXd mean;        ///< x, y of each in turn, m
+  Eigen::MatrixXd covariance;  ///< m^2
+};
+
+/// What changed between two versions of the map.
 struct LandmarkUpdate {
   std::uint64_t since_version = 0;
   std::uint64_t version = 0;
-  std::vector<LandmarkEstimate> changed;  ///< new or moved
+  std::vector<LandmarkEstimate> changed;  ///< new, or active in the filter
   std::vector<int> removed_ids;
   std::vector<LandmarkMerge> merges;
 };

@@ -5,32 +5,34 @@
 namespace hymm::core {
 
 RegisteredLandmark& LandmarkRegistry::add(const RegisteredLandmark& landmark) {
-  id_of_slot_[landmark.slot] = landmark.id;
-  if (landmark.identity >= 0) id_of_identity_[landmark.identity] = landmark.id;
+  const auto slot = static_cast<std::size_t>(landmark.slot);
+  if (slot >= by_slot_.size()) by_slot_.resize(slot + 1);
+  slot_of_id_[landmark.id] = landmark.slot;
+  if (landmark.identity >= 0) slot_of_identity_[landmark.identity] = landmark.slot;
   index_.place(landmark.slot, landmark.position);
   largest_deviation_m_ = std::max(largest_deviation_m_, landmark.deviation_m);
-  return landmarks_[landmark.id] = landmark;
+  return by_slot_[slot] = landmark;
 }
 
 void LandmarkRegistry::remove(int id) {
-  const RegisteredLandmark& landmark = landmarks_.at(id);
+  RegisteredLandmark& landmark = byId(id);
   index_.remove(landmark.slot);
-  id_of_slot_.erase(landmark.slot);
-  if (landmark.identity >= 0) id_of_identity_.erase(landmark.identity);
-  landmarks_.erase(id);
+  slot_of_id_.erase(id);
+  if (landmark.identity >= 0) slot_of_identity_.erase(landmark.identity);
+  landmark = RegisteredLandmark{};
 }
 
 void LandmarkRegistry::clear() {
-  landmarks_.clear();
-  id_of_slot_.clear();
-  id_of_identity_.clear();
+  by_slot_.clear();
+  slot_of_id_.clear();
+  slot_of_identity_.clear();
   index_.clear();
   largest_deviation_m_ = 0.0;
 }
 
 RegisteredLandmark* LandmarkRegistry::findIdentity(int identity) {
-  const auto known = id_of_identity_.find(identity);
-  return known == id_of_identity_.end() ? nullptr : &landmarks_.at(known->second);
+  const auto known = slot_of_identity_.find(identity);
+  return known == slot_of_identity_.end() ? nullptr : &bySlot(known->second);
 }
 
 double LandmarkRegistry::move(RegisteredLandmark& landmark, const Eigen::Vector2d& position) {
@@ -40,11 +42,11 @@ double LandmarkRegistry::move(RegisteredLandmark& landmark, const Eigen::Vector2
   return moved;
 }
 
-void LandmarkRegistry::setDeviations(const std::vector<std::pair<int, double>>& deviations_by_id) {
+void LandmarkRegistry::noteLargestDeviation() {
   largest_deviation_m_ = 0.0;
-  for (const auto& [id, deviation_m] : deviations_by_id) {
-    landmarks_.at(id).deviation_m = deviation_m;
-    largest_deviation_m_ = std::max(largest_deviation_m_, deviation_m);
+  for (const RegisteredLandmark& landmark : by_slot_) {
+    if (landmark.id >= 0)
+      largest_deviation_m_ = std::max(largest_deviation_m_, landmark.deviation_m);
   }
 }
 
@@ -57,12 +59,12 @@ std::vector<int> LandmarkRegistry::slotsNear(const Eigen::Vector2d& centre, doub
   return slots;
 }
 
-std::vector<int> LandmarkRegistry::ids() const {
-  std::vector<int> ids;
-  ids.reserve(landmarks_.size());
-  for (const auto& entry : landmarks_) ids.push_back(entry.first);
-  std::sort(ids.begin(), ids.end());
-  return ids;
+std::vector<RegisteredLandmark> LandmarkRegistry::all() const {
+  std::vector<RegisteredLandmark> landmarks;
+  landmarks.reserve(size());
+  std::copy_if(by_slot_.begin(), by_slot_.end(), std::back_inserter(landmarks),
+               [](const RegisteredLandmark& landmark) { return landmark.id >= 0; });
+  return landmarks;
 }
 
 }  // namespace hymm::core

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <set>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,11 +25,10 @@ struct RegisteredLandmark {
   double existence_log_odds = 0.0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< last known; the filter's is the truth
   double deviation_m = 0.0;  ///< bound of its deviation in the map; may lag behind the filter's
-  std::uint64_t changed_version = 0;
-  std::set<int> distinct_from;  ///< ids of close landmarks seen in the same scan as this one
+  Eigen::Vector2d first_estimate = Eigen::Vector2d::Zero();  ///< where Jacobians may be taken
 };
 
-/// All landmarks of the map, found by id, slot, identity or place. Iteration is by ascending id.
+/// All landmarks of the map, found by id, slot, identity or place.
 class LandmarkRegistry {
  public:
   /// Takes in a landmark; id and slot must be new.
@@ -39,31 +36,37 @@ class LandmarkRegistry {
   void remove(int id);
   void clear();
 
-  RegisteredLandmark& bySlot(int slot) { return landmarks_.at(id_of_slot_.at(slot)); }
-  const RegisteredLandmark& bySlot(int slot) const { return landmarks_.at(id_of_slot_.at(slot)); }
+  RegisteredLandmark& bySlot(int slot) { return by_slot_.at(static_cast<std::size_t>(slot)); }
+  const RegisteredLandmark& bySlot(int slot) const {
+    return by_slot_.at(static_cast<std::size_t>(slot));
+  }
+  const RegisteredLandmark& byId(int id) const { return bySlot(slot_of_id_.at(id)); }
+  RegisteredLandmark& byId(int id) { return bySlot(slot_of_id_.at(id)); }
+  bool contains(int id) const { return slot_of_id_.count(id) > 0; }
   /// Null if there is none.
   RegisteredLandmark* findIdentity(int identity);
 
   /// Notes where a landmark is now; returns how far it moved [m].
   double move(RegisteredLandmark& landmark, const Eigen::Vector2d& position);
 
-  /// Notes the deviation of each landmark; those of landmarks never grow.
-  void setDeviations(const std::vector<std::pair<int, double>>& deviations_by_id);
-  /// Largest deviation_m of all landmarks.
+  /// Largest deviation_m that any landmark has had since the last noteLargestDeviation().
   double largestDeviation() const { return largest_deviation_m_; }
+  void noteLargestDeviation();
 
   /// Slots of landmarks within `radius_m` of `centre`, ascending.
   std::vector<int> slotsNear(const Eigen::Vector2d& centre, double radius_m) const;
 
-  std::vector<int> ids() const;
-  const RegisteredLandmark& byId(int id) const { return landmarks_.at(id); }
-  RegisteredLandmark& byId(int id) { return landmarks_.at(id); }
-  std::size_t size() const { return landmarks_.size(); }
+  /// By slot; those with id -1 are none.
+  const std::vector<RegisteredLandmark>& slots() const { return by_slot_; }
+  std::vector<RegisteredLandmark>& slots() { return by_slot_; }
+  /// Copies of all landmarks, by ascending slot.
+  std::vector<RegisteredLandmark> all() const;
+  std::size_t size() const { return slot_of_id_.size(); }
 
  private:
-  std::unordered_map<int, RegisteredLandmark> landmarks_;  ///< by id
-  std::unordered_map<int, int> id_of_slot_;
-  std::unordered_map<int, int> id_of_identity_;
+  std::vector<RegisteredLandmark> by_slot_;
+  std::unordered_map<int, int> slot_of_id_;
+  std::unordered_map<int, int> slot_of_identity_;
   LandmarkIndex index_;
   double largest_deviation_m_ = 0.0;
 };

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "cekf/compressed_ekf.h"
 #include "cekf/landmark_map.h"
 #include "cekf/landmark_registry.h"
@@ -9,8 +11,9 @@ namespace hymm::core {
 /// A landmark with its estimate as of now.
 LandmarkEstimate estimateOf(const RegisteredLandmark& landmark, const CompressedEkf& filter);
 
-/// All landmarks as of now, sorted by id, with cross-covariances of pairs within `block_range_m`.
-LandmarkMap snapshotOf(const LandmarkRegistry& registry, const CompressedEkf& filter,
+/// All of `landmarks` with what `reader` knows of them, sorted by id, with cross-covariances of
+/// pairs within `block_range_m` (0: none). Version, time and merges are left to the caller.
+LandmarkMap snapshotOf(std::vector<RegisteredLandmark> landmarks, const EffectReader& reader,
                        double block_range_m);
 
 }  // namespace hymm::core

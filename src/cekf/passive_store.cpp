@@ -216,7 +216,7 @@ void PassiveStore::replaceTiles(Update& update) {
   const int rank = rowsOf(T);
   VectorXd variances(tiles_.size());
   TiledSymmetricMatrix::Tile fresh = TiledSymmetricMatrix::newTile();
-  for (int i = 0; i < tiles_.tileRows(); ++i) {
+  for (int i = 0; i < tiles_.tileRows() && !abandoned_; ++i) {
     const double* T_i = T.data() + static_cast<std::ptrdiff_t>(i) * kTile * rank;
     for (int j = 0; j <= i; ++j) {
       const double* T_j = T.data() + static_cast<std::ptrdiff_t>(j) * kTile * rank;
@@ -243,6 +243,7 @@ void PassiveStore::replaceTiles(Update& update) {
     update.tiles_done_in_row = 0;
   }
 
+  if (abandoned_) return;
   auto shared_variances = std::make_shared<const VectorXd>(std::move(variances));
   worker_states_ = update.states;
   MatrixXd W;  // large: better freed here than by whoever finds the update done

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -27,6 +28,8 @@ class PassiveStore {
   /// With an inline worker the update is done when startUpdate() returns, and the same calls give
   /// the same bits.
   explicit PassiveStore(SerialWorker::Mode mode);
+  /// Abandons an update under way.
+  ~PassiveStore() { abandoned_ = true; }
   PassiveStore(const PassiveStore&) = delete;
   PassiveStore& operator=(const PassiveStore&) = delete;
 
@@ -93,6 +96,7 @@ class PassiveStore {
   SharedVector states_, variances_;
   SharedVector worker_states_;  ///< as of the last update that the worker has done
   std::size_t updates_done_ = 0;
+  std::atomic<bool> abandoned_{false};
   SerialWorker worker_;  ///< last: its jobs end before what they use
 };
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "cekf/landmark_measurement.h"
 #include "cekf/vehicle_state.h"
 #include "common/chi_square.h"
 
@@ -37,26 +38,27 @@ double diameterCost(const Observation& observation, const RegisteredLandmark& la
 
 }  // namespace
 
-SparseMeasurement measurementOf(const Observation& observation, const SensorPlacement& sensor,
-                                int slot, const CompressedEkf& filter) {
-  const RangeBearing z =
-      predictRangeBearing(VehicleState::pose(filter), sensor.T_base_sensor, filter.landmark(slot));
-  SparseMeasurement measurement;
-  measurement.innovation << observation.range_m - sensor.range_offset_m - z.value[0],
-      wrapAngle(observation.bearing_rad - z.value[1]);
-  measurement.H_vehicle = vehicleJacobian(z, sensor, filter.vehicleStates());
-  measurement.landmarks[0] = slot;
-  measurement.H_landmarks[0] = z.H_landmark;
-  measurement.noise = observation.covariance;
-  return measurement;
-}
-
-ScanAssociator::ScanAssociator(const AssociationConfig& config)
+ScanAssociator::ScanAssociator(const AssociationConfig& config, bool at_first_estimates)
     : config_(config),
+      at_first_estimates_(at_first_estimates),
       individual_gate_(chiSquareQuantile(config.individual_probability, 2)),
       new_landmark_gate_(chiSquareQuantile(config.new_landmark_probability, 2)),
       identity_gate_(chiSquareQuantile(config.identity_probability, 2)),
       joint_({individual_gate_, config.joint_probability, config.max_nodes}) {}
+
+SparseMeasurement ScanAssociator::measurementOf(const Observation& observation,
+                                                const SensorPlacement& sensor,
+                                                const RegisteredLandmark& landmark,
+                                                const CompressedEkf& filter) const {
+  const Pose2 pose = VehicleState::pose(filter);
+  const int states = filter.vehicleStates();
+  SparseMeasurement measurement = landmarkMeasurement(
+      observation, pose, sensor, {landmark.slot, filter.landmark(landmark.slot)}, states);
+  if (at_first_estimates_) {
+    linearise(measurement, pose, sensor, landmark.first_estimate, states);
+  }
+  return measurement;
+}
 
 ScanAssociation ScanAssociator::associate(const ObservationSet& set, const SensorPlacement& sensor,
                                           LandmarkRegistry& registry, CompressedEkf& filter) const {
@@ -97,8 +99,7 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, const Sensor
     if (landmark == nullptr) continue;
     result.claimed[i] = true;
     filter.activate(landmark->slot);
-    const SparseMeasurement measurement =
-        measurementOf(observation, sensor, landmark->slot, filter);
+    const SparseMeasurement measurement = measurementOf(observation, sensor, *landmark, filter);
     const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise;
     const bool seen_twice =
         std::find(result.slots.begin(), result.slots.end(), landmark->slot) != result.slots.end();
@@ -108,6 +109,7 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, const Sensor
     }
     result.slots[i] = landmark->slot;
     result.measurements.push_back(measurement);
+    result.measured.push_back(i);
   }
 }
 
@@ -135,7 +137,7 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
     if (distance_m > own_reach_m + gate * landmark.deviation_m) continue;
     filter.activate(slot);
     Candidate candidate;
-    candidate.measurement = measurementOf(observation, sensor, slot, filter);
+    candidate.measurement = measurementOf(observation, sensor, landmark, filter);
     const Matrix2d S = filter.innovationCovariance(candidate.measurement, candidate.measurement) +
                        candidate.measurement.noise;
     const Vector2d& innovation = candidate.measurement.innovation;
@@ -180,6 +182,7 @@ void ScanAssociator::chooseJointly(const std::vector<Candidate>& candidates,
     const Candidate& chosen = candidates[static_cast<std::size_t>(best.pairings[i])];
     result.slots[i] = chosen.pairing.landmark;
     result.measurements.push_back(chosen.measurement);
+    result.measured.push_back(i);
   }
 }
 

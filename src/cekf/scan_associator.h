@@ -18,7 +18,8 @@ struct ScanAssociation {
   std::vector<int> slots;     ///< by observation: the landmark's slot, or kNone
   std::vector<bool> claimed;  ///< by observation: too near a landmark to be a new one
   std::vector<bool> ignored;  ///< by observation: without identity, where the set has identities
-  std::vector<SparseMeasurement> measurements;  ///< of the observations with a landmark, in order
+  std::vector<SparseMeasurement> measurements;  ///< of the observations with a landmark
+  std::vector<std::size_t> measured;            ///< by measurement: the observation
   int ambiguous = 0;  ///< observations with two or more compatible landmarks
 };
 
@@ -27,7 +28,8 @@ struct ScanAssociation {
 /// considers.
 class ScanAssociator {
  public:
-  explicit ScanAssociator(const AssociationConfig& config);
+  /// `at_first_estimates`: measurements are linearised at the landmarks' first estimates.
+  ScanAssociator(const AssociationConfig& config, bool at_first_estimates);
 
   ScanAssociation associate(const ObservationSet& set, const SensorPlacement& sensor,
                             LandmarkRegistry& registry, CompressedEkf& filter) const;
@@ -42,6 +44,9 @@ class ScanAssociator {
   /// Bounds the work in a world denser than the parameters expect.
   static constexpr std::size_t kMaxCandidates = 5;
 
+  SparseMeasurement measurementOf(const Observation& observation, const SensorPlacement& sensor,
+                                  const RegisteredLandmark& landmark,
+                                  const CompressedEkf& filter) const;
   void associateByIdentity(const ObservationSet& set, const SensorPlacement& sensor,
                            LandmarkRegistry& registry, CompressedEkf& filter,
                            ScanAssociation& result) const;
@@ -53,14 +58,11 @@ class ScanAssociator {
                      ScanAssociation& result) const;
 
   AssociationConfig config_;
+  bool at_first_estimates_;
   double individual_gate_;
   double new_landmark_gate_;
   double identity_gate_;
   JointCompatibility joint_;
 };
-
-/// The measurement of an observation of the landmark in `slot`, which need not be active.
-SparseMeasurement measurementOf(const Observation& observation, const SensorPlacement& sensor,
-                                int slot, const CompressedEkf& filter);
 
 }  // namespace hymm::core

@@ -6,8 +6,11 @@
 
 namespace hymm::core {
 
-VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum)
-    : model_(vehicle), hold_limit_s_(vehicle.noise.hold_limit_s) {
+VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum,
+                           bool at_first_estimates)
+    : model_(vehicle),
+      hold_limit_s_(vehicle.noise.hold_limit_s),
+      at_first_estimates_(at_first_estimates) {
   const CalibrationPrior& prior = vehicle.calibration;
   calibration_deviation_ = {
       prior.speed_scale_deviation, prior.turn_scale_deviation,
@@ -52,8 +55,7 @@ Eigen::MatrixXd VehicleState::initialCovariance() const {
 }
 
 SensorPlacement VehicleState::placement(const Pose2& T_base_sensor,
-                                        const CompressedEkf& filter) const {
-  const Eigen::VectorXd state = filter.vehicle();
+                                        const Eigen::VectorXd& state) const {
   SensorPlacement sensor;
   sensor.T_base_sensor = T_base_sensor;
   sensor.T_base_sensor.yaw_rad = wrapAngle(T_base_sensor.yaw_rad + laser_yaw_.valueIn(state));
@@ -69,7 +71,7 @@ SensorPlacement VehicleState::placement(const Pose2& T_base_sensor,
   const Eigen::Vector2d moved = Arc(turn).V() * velocity * dt;
   sensor.T_base_sensor = Pose2{moved.x(), moved.y(), turn} * sensor.T_base_sensor;
   sensor.time_offset_state = laser_time_.index;
-  sensor.velocity << pose(filter).rotation() * velocity, v.yaw_rate_radps;
+  sensor.velocity << Pose2::fromVector(state.head<3>()).rotation() * velocity, v.yaw_rate_radps;
   return sensor;
 }
 
@@ -137,9 +139,15 @@ void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
   const MotionStep step =
       model_.step(Pose2::fromVector(state.head<3>()), input_, calibration(state), age_s, duration_s,
                   {state[kErrorIndex], state[kErrorIndex + 1]});
+  const Pose2 corrected = Pose2::fromVector(state.head<3>());
   state.head<3>() = step.pose.vector();
   Eigen::MatrixXd J = Eigen::MatrixXd::Identity(size_, size_);
   J.topLeftCorner<3, 3>() = step.J_pose;
+  if (at_first_estimates_) {
+    const Eigen::Vector2d correction = corrected.position() - predicted_.position();
+    J.block<2, 1>(0, 2) += Eigen::Vector2d(-correction.y(), correction.x());
+  }
+  predicted_ = step.pose;
   for (int k = 0; k < 3; ++k) {
     const int index = calibration_index_[static_cast<std::size_t>(k)];
     if (index >= 0) J.block<3, 1>(0, index) = step.J_calibration.col(k);

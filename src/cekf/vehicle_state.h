@@ -23,8 +23,11 @@ struct LaserCalibration {
 /// and where east and north lie in the map if GPS is fused. Carries it along the motion.
 class VehicleState {
  public:
-  /// `twist` says which of the vehicle's calibration priors concern the turn.
-  VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum);
+  /// `twist` says which of the vehicle's calibration priors concern the turn. `at_first_estimates`:
+  /// the Jacobian of the motion leads from where the vehicle was predicted before, not from where
+  /// it was corrected to since.
+  VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum,
+               bool at_first_estimates = false);
 
   int size() const { return size_; }
   /// First of the three states (x, y, yaw) of T_map_enu, or -1.
@@ -32,8 +35,8 @@ class VehicleState {
   Eigen::VectorXd initialState() const;
   Eigen::MatrixXd initialCovariance() const;
 
-  /// A sensor mounted at `T_base_sensor`, with its errors of yaw, range and time as estimated.
-  SensorPlacement placement(const Pose2& T_base_sensor, const CompressedEkf& filter) const;
+  /// A sensor mounted at `T_base_sensor`, with its errors of yaw, range and time as among `state`.
+  SensorPlacement placement(const Pose2& T_base_sensor, const Eigen::VectorXd& state) const;
 
   static Pose2 pose(const CompressedEkf& filter) {
     return Pose2::fromVector(filter.vehicle().head<3>());
@@ -50,6 +53,11 @@ class VehicleState {
 
   /// Moves the filter to `time_s` with the input in force, as standing still before the first.
   void moveTo(CompressedEkf& filter, double time_s);
+
+  /// Where the last motion has put the vehicle, whatever was measured since.
+  const Pose2& predictedPose() const { return predicted_; }
+  /// Lets the next motion's Jacobian lead from the present pose.
+  void resetFirstEstimate(const CompressedEkf& filter) { predicted_ = pose(filter); }
 
   bool hasInput() const { return has_input_; }
   double time_s() const { return time_s_; }
@@ -73,6 +81,8 @@ class VehicleState {
   static constexpr int kErrorIndex = 3;
   int size_ = 5;
 
+  bool at_first_estimates_;
+  Pose2 predicted_;
   MotionInput input_ = TwistInput{};
   bool has_input_ = false;
   bool started_ = false;

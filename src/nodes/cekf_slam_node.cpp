@@ -30,7 +30,7 @@ std::string causeOf(const std::string& reason) {
 CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
                            const core::VehicleDescription& vehicle)
     : tf_listener_(tf_),
-      filter_(config, vehicle.config),
+      filter_(config, vehicle.config, core::CekfSlam::GlobalUpdates::kBackground),
       merger_(config.merger),
       reader_(
           SensorMountings(tf_, vehicle.config.base_frame, laserFallback(vehicle), kMountingWait_s),

@@ -65,7 +65,7 @@ std::map<std::string, std::size_t> OfflineRun::incidents() const {
   const auto add = [&](const char* what, std::size_t count) {
     if (count > 0) incidents[what] += count;
   };
-  const CekfSlam::Counts& counts = filter_.counts();
+  const CekfSlam::Counts counts = filter_.counts();
   add("messages dropped: older than what was processed", merger_.counts().out_of_order);
   add("motion inputs refused: not finite, or not later than the last", counts.refused_motion);
   add("observations refused: not finite, or with an unusable covariance",
@@ -76,10 +76,11 @@ std::map<std::string, std::size_t> OfflineRun::incidents() const {
 }
 
 RunTotals OfflineRun::totals() const {
-  const CekfSlam::Counts& counts = filter_.counts();
+  const CekfSlam::Counts counts = filter_.counts();
   RunTotals totals;
   totals.subsystem_cpu_s = {{"perception", filter_.cpuTimes().perception_s},
-                            {"filter", filter_.cpuTimes().filter_s}};
+                            {"filter", filter_.cpuTimes().filter_s},
+                            {"worker", filter_.cpuTimes().worker_s}};
   totals.dropped_scans = scans_in_ - counts.scans;
   totals.observations = counts.observations;
   totals.associated = counts.associated;

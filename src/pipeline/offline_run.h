@@ -33,7 +33,7 @@ class OfflineRun {
   std::size_t scans() const { return filter_.counts().scans; }
 
   /// Landmarks of the map that the run ended with.
-  LandmarkMap landmarkMap() const { return filter_.landmarkMap(0.0); }
+  LandmarkMap landmarkMap() { return filter_.landmarkMap(0.0); }
 
   /// The part of the totals that the engines know.
   RunTotals totals() const;

@@ -32,11 +32,10 @@ FilterOutput::FilterOutput(ros::NodeHandle handle, const core::CekfSlamConfig& c
       handle.advertise<visualization_msgs::MarkerArray>("observation_markers", 2);
 }
 
-void FilterOutput::publish(const core::CekfSlam& filter, const core::ScanOutcome& outcome,
+void FilterOutput::publish(core::CekfSlam& filter, const core::ScanOutcome& outcome,
                            const std_msgs::Header& scan, std::size_t dropped_scans) {
   send(observations_, toMessage(outcome.observations, scan.frame_id), scan.stamp);
-  const core::LandmarkUpdate update = filter.updateSince(update_version_);
-  update_version_ = update.version;
+  const core::LandmarkUpdate update = filter.takeUpdate();
   send(updates_, toMessage(update, outcome.pose.time_s, map_frame_), scan.stamp);
   const FilterHealth health = healthMessage(filter, outcome, dropped_scans);
   if (mapIsDue(outcome.pose.time_s, health.map_correction)) publishMap(filter);
@@ -54,17 +53,17 @@ void FilterOutput::send(const ros::Publisher& publisher, Message message,
   publisher.publish(message);
 }
 
-void FilterOutput::publishMapIfChanged(const core::CekfSlam& filter) {
+void FilterOutput::publishMapIfChanged(core::CekfSlam& filter) {
   if (!map_time_s_ || filter.mapVersion() != map_version_) publishMap(filter);
 }
 
-void FilterOutput::reset(const core::CekfSlam& filter) { publishMap(filter); }
+void FilterOutput::reset(core::CekfSlam& filter) { publishMap(filter); }
 
 FilterHealth FilterOutput::healthMessage(const core::CekfSlam& filter,
                                          const core::ScanOutcome& outcome,
                                          std::size_t dropped_scans) {
   FilterHealth message = toMessage(outcome.health, map_frame_);
-  const auto& counts = filter.counts();
+  const auto counts = filter.counts();
   message.largest_correction = outcome.largest_correction_m;
   message.map_correction = counts.map_corrections > map_corrections_;
   map_corrections_ = counts.map_corrections;
@@ -90,12 +89,17 @@ bool FilterOutput::mapIsDue(double time_s, bool large_correction) const {
          time_s < *map_time_s_;
 }
 
-void FilterOutput::publishMap(const core::CekfSlam& filter) {
-  const core::LandmarkMap map = filter.landmarkMap(block_range_m_);
-  map_version_ = map.version;
-  map_time_s_ = map.time_s;
-  landmarks_.publish(toMessage(map, block_range_m_, map_frame_));
-  landmark_markers_.publish(landmarkMarkers(map, map_frame_));
+void FilterOutput::publishMap(core::CekfSlam& filter) {
+  if (map_on_its_way_->exchange(true)) return;  // still due with the next scan
+  map_version_ = filter.mapVersion();
+  map_time_s_ = filter.pose().time_s;
+  filter.requestMap(block_range_m_, [on_its_way = map_on_its_way_, landmarks = landmarks_,
+                                     markers = landmark_markers_, range_m = block_range_m_,
+                                     frame = map_frame_](const core::LandmarkMap& map) {
+    landmarks.publish(toMessage(map, range_m, frame));
+    markers.publish(landmarkMarkers(map, frame));
+    *on_its_way = false;
+  });
 }
 
 }  // namespace hymm

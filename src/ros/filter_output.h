@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -18,28 +20,28 @@ class FilterOutput {
 
   /// After an accepted scan. `scan`: header of the message it came in; its stamp is passed on as it
   /// is, for whoever pairs the scan with the pose. `dropped_scans`: lost on their way so far.
-  void publish(const core::CekfSlam& filter, const core::ScanOutcome& outcome,
+  void publish(core::CekfSlam& filter, const core::ScanOutcome& outcome,
                const std_msgs::Header& scan, std::size_t dropped_scans);
 
   /// The whole map, if the last one sent is out of date: for when sensors fall silent.
-  void publishMapIfChanged(const core::CekfSlam& filter);
+  void publishMapIfChanged(core::CekfSlam& filter);
 
   /// The map of a filter that began anew.
-  void reset(const core::CekfSlam& filter);
+  void reset(core::CekfSlam& filter);
 
  private:
   FilterHealth healthMessage(const core::CekfSlam& filter, const core::ScanOutcome& outcome,
                              std::size_t dropped_scans);
   bool mapIsDue(double time_s, bool large_correction) const;
-  void publishMap(const core::CekfSlam& filter);
+  void publishMap(core::CekfSlam& filter);
   template <class Message>
   void send(const ros::Publisher& publisher, Message message, const ros::Time& stamp) const;
 
   std::string map_frame_;
   double block_range_m_;
   double map_period_s_;
-  std::uint64_t update_version_ = 0;  ///< up to which landmark_updates has told
-  std::uint64_t map_version_ = 0;     ///< of the last map sent
+  std::uint64_t map_version_ = 0;  ///< of the last map asked for
+  std::shared_ptr<std::atomic<bool>> map_on_its_way_ = std::make_shared<std::atomic<bool>>(false);
   std::optional<double> map_time_s_;
   std::size_t map_corrections_ = 0;
   ros::Publisher observations_, landmarks_, updates_, pose_, health_;

@@ -5,6 +5,9 @@
 namespace hymm {
 namespace {
 
+// As many scans as a map may take to be made.
+constexpr std::size_t kRecentChanges = 100;
+
 auto placeOf(std::vector<core::LandmarkEstimate>& landmarks, int id) {
   return std::lower_bound(landmarks.begin(), landmarks.end(), id,
                           [](const auto& landmark, int key) { return landmark.id < key; });
@@ -13,17 +16,31 @@ auto placeOf(std::vector<core::LandmarkEstimate>& landmarks, int id) {
 }  // namespace
 
 void LandmarkMirror::take(const core::LandmarkMap& map) {
-  if (map.version >= map_.version) map_ = map;  // a change may overtake the map before it
+  const auto later = std::find_if(recent_.begin(), recent_.end(), [&](const auto& update) {
+    return update.since_version >= map.version;
+  });
+  const bool continues = later != recent_.end() && later->since_version == map.version;
+  if (map.version < map_.version && !continues) return;
+  map_ = map;
+  recent_.erase(recent_.begin(), continues ? later : recent_.end());
+  for (const core::LandmarkUpdate& update : recent_) apply(update);
 }
 
 bool LandmarkMirror::take(const core::LandmarkUpdate& update) {
   if (update.version <= map_.version) return true;
+  if (!recent_.empty() && recent_.back().version != update.since_version) recent_.clear();
+  recent_.push_back(update);
+  if (recent_.size() > kRecentChanges) recent_.pop_front();
   if (update.since_version > map_.version) return false;
+  apply(update);
+  return true;
+}
+
+void LandmarkMirror::apply(const core::LandmarkUpdate& update) {
   for (const int id : update.removed_ids) remove(id);
   for (const core::LandmarkEstimate& landmark : update.changed) change(landmark);
   map_.merges.insert(map_.merges.end(), update.merges.begin(), update.merges.end());
   map_.version = update.version;
-  return true;
 }
 
 void LandmarkMirror::change(const core::LandmarkEstimate& landmark) {

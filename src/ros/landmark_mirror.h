@@ -1,10 +1,13 @@
 #pragma once
 
+#include <deque>
+
 #include "cekf/landmark_map.h"
 
 namespace hymm {
 
-/// The filter's landmark map as messages tell it: whole maps now and then, changes in between.
+/// The filter's landmark map as messages tell it: whole maps now and then, changes in between. A
+/// whole map takes a while to be made: changes that overtook it are made again on it.
 class LandmarkMirror {
  public:
   void take(const core::LandmarkMap& map);
@@ -16,10 +19,12 @@ class LandmarkMirror {
   const core::LandmarkMap& map() const { return map_; }
 
  private:
+  void apply(const core::LandmarkUpdate& update);
   void change(const core::LandmarkEstimate& landmark);
   void remove(int id);
 
   core::LandmarkMap map_;
+  std::deque<core::LandmarkUpdate> recent_;  ///< the last changes, each following on the one before
 };
 
 }  // namespace hymm

@@ -57,17 +57,34 @@ TEST(CekfSlam, BringsLandmarksIntoTheStateAfterEnoughSightings) {
   EXPECT_EQ(map.cross_covariances.size(), 3U);
 }
 
-TEST(CekfSlam, TellsWhatChangedSinceAVersion) {
+TEST(CekfSlam, TellsWhatChangedSinceItToldLast) {
   CekfSlam slam = stationarySlam(5);
-  const std::uint64_t version = slam.mapVersion();
-  EXPECT_TRUE(slam.updateSince(version).changed.empty());
+  const LandmarkUpdate first = slam.takeUpdate();
+  EXPECT_EQ(first.since_version, 0U);
+  EXPECT_EQ(first.changed.size(), 3U);
+  EXPECT_TRUE(slam.takeUpdate().changed.empty());
   slam.process(threeLandmarks(10.0));
-  const LandmarkUpdate update = slam.updateSince(version);
-  EXPECT_EQ(update.version, slam.mapVersion());
-  EXPECT_EQ(update.changed.size(), 3U);
+  const LandmarkUpdate second = slam.takeUpdate();
+  EXPECT_EQ(second.since_version, first.version);
+  EXPECT_EQ(second.version, slam.mapVersion());
+  EXPECT_EQ(second.changed.size(), 3U);
   slam.reset();
-  EXPECT_EQ(slam.updateSince(update.version).removed_ids.size(), 3U);
+  EXPECT_EQ(slam.takeUpdate().removed_ids.size(), 3U);
   EXPECT_EQ(slam.landmarkCount(), 0U);
+}
+
+TEST(CekfSlam, HandsOverJointLandmarksAsTheyWereWhenAsked) {
+  CekfSlam slam = stationarySlam(10);
+  const LandmarkMap map = slam.landmarkMap(30.0);
+  const std::vector<int> ids = {map.landmarks[2].id, map.landmarks[0].id};
+  JointLandmarks joint;
+  ASSERT_TRUE(slam.requestJointLandmarks(ids, [&](JointLandmarks taken) { joint = taken; }));
+  EXPECT_EQ(joint.ids, ids);
+  EXPECT_EQ(joint.version, map.version);
+  EXPECT_EQ(joint.mean.head<2>(), map.landmarks[2].position);
+  EXPECT_EQ((joint.covariance.block<2, 2>(2, 2)), map.landmarks[0].covariance);
+  EXPECT_EQ((joint.covariance - joint.covariance.transpose()).norm(), 0.0);
+  EXPECT_FALSE(slam.requestJointLandmarks({99}, [](const JointLandmarks&) {}));
 }
 
 TEST(CekfSlam, RefusesSetsThatAreNotLater) {

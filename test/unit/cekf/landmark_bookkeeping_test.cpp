@@ -39,8 +39,8 @@ TEST(LandmarkRegistry, FindsExactlyWhatIsNear) {
   const Vector2d centre(3.0, -8.0);
   for (const double radius : {0.5, 4.0, 17.0}) {
     std::vector<int> expected;
-    for (const int id : registry.ids()) {
-      if ((registry.byId(id).position - centre).norm() <= radius) expected.push_back(100 + id);
+    for (const RegisteredLandmark& landmark : registry.all()) {
+      if ((landmark.position - centre).norm() <= radius) expected.push_back(landmark.slot);
     }
     EXPECT_EQ(registry.slotsNear(centre, radius), expected);
   }

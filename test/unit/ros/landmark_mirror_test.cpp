@@ -58,5 +58,20 @@ TEST_F(LandmarkMirrorTest, IgnoresAMapThatAnUpdateHasOvertaken) {
   EXPECT_TRUE(mirror_.map().landmarks.empty());
 }
 
+TEST_F(LandmarkMirrorTest, MakesChangesAgainOnAMapThatTheyOvertook) {
+  core::LandmarkUpdate update;
+  update.since_version = 11;
+  update.version = 12;
+  update.removed_ids = {1};
+  EXPECT_FALSE(mirror_.take(update));
+  core::LandmarkMap late;
+  late.version = 11;
+  late.landmarks = {landmarkAt(1, 1.0), landmarkAt(7, 7.0)};
+  mirror_.take(late);
+  ASSERT_EQ(mirror_.map().landmarks.size(), 1U);
+  EXPECT_EQ(mirror_.map().landmarks[0].id, 7);
+  EXPECT_EQ(mirror_.map().version, 12U);
+}
+
 }  // namespace
 }  // namespace hymm

@@ -1,0 +1,57 @@
+#include "cekf/scan_update.h"
+
+#include <Eigen/LU>
+
+#include "cekf/landmark_measurement.h"
+
+namespace hymm::core {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+// A measurement counts as linear over a correction if what is neglected is below this many
+// deviations of its noise.
+constexpr double kNegligible = 0.1;
+
+/// H * (to - from) for the states that the measurement depends on.
+Vector2d predictedChange(const SparseMeasurement& measurement, const CompressedEkf& filter,
+                         const VectorXd& vehicle_change, const VectorXd& to) {
+  const int slot = measurement.landmarks[0];
+  return measurement.H_vehicle * vehicle_change +
+         measurement.H_landmarks[0] * (filter.landmarkAmong(to, slot) - filter.landmark(slot));
+}
+
+}  // namespace
+
+UpdateOutcome ScanUpdate::update(const ObservationSet& set, const ScanAssociation& association,
+                                 const VehicleState& vehicle, CompressedEkf& filter) {
+  Measurements measurements = association.measurements;
+  for (int iteration = 1; iteration < max_iterations_; ++iteration) {
+    const std::optional<VectorXd> states = filter.statesAfter(measurements);
+    if (!states) break;
+    const VectorXd at = states->head(filter.vehicleStates());
+    const VectorXd vehicle_change = at - filter.vehicle();
+    const SensorPlacement sensor = vehicle.placement(set.T_base_sensor, at);
+    double worst2 = 0.0;
+    Measurements again;
+    for (std::size_t k = 0; k < measurements.size(); ++k) {
+      const SparseMeasurement& before = measurements[k];
+      const int slot = before.landmarks[0];
+      SparseMeasurement now = landmarkMeasurement(
+          set.observations[association.measured[k]], Pose2::fromVector(at.head<3>()), sensor,
+          {slot, filter.landmarkAmong(*states, slot)}, filter.vehicleStates());
+      const Vector2d neglected = now.innovation - before.innovation +
+                                 predictedChange(before, filter, vehicle_change, *states);
+      worst2 = std::max(worst2, neglected.dot(now.noise.inverse() * neglected));
+      now.innovation += predictedChange(now, filter, vehicle_change, *states);
+      again.push_back(now);
+    }
+    if (worst2 < kNegligible * kNegligible) break;
+    if (iteration == 1) ++iterated_;
+    measurements = std::move(again);
+  }
+  return filter.update(measurements);
+}
+
+}  // namespace hymm::core
