@@ -29,7 +29,7 @@ struct ScanAssociation {
 class ScanAssociator {
  public:
   /// `at_first_estimates`: measurements are linearised at the landmarks' first estimates.
-  ScanAssociator(const AssociationConfig& config, bool at_first_estimates);
+  explicit ScanAssociator(const AssociationConfig& config, bool at_first_estimates = false);
 
   ScanAssociation associate(const ObservationSet& set, const SensorPlacement& sensor,
                             LandmarkRegistry& registry, CompressedEkf& filter) const;

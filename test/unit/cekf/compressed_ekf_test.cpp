@@ -1,8 +1,10 @@
 #include "cekf/compressed_ekf.h"
 
+#include <chrono>
 #include <cmath>
 #include <future>
 #include <map>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -283,6 +285,7 @@ TEST(CompressedEkf, ReadsTheSameBeforeAndAfterEachTileIsReplaced) {
     std::vector<MatrixXd> readings;
     do {
       readings.push_back(filter.jointCovariance(slots));
+      std::this_thread::sleep_for(std::chrono::microseconds(100));  // lets the worker have the lock
     } while (filter.isGlobalUpdatePending());
     const MatrixXd settled = filter.jointCovariance(slots);
     const VectorXd sigma = settled.diagonal().cwiseSqrt();

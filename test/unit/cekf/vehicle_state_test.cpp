@@ -31,7 +31,7 @@ struct Car {
   /// What the laser measures of a landmark, with these errors.
   Eigen::Vector2d measured(const Eigen::Vector3d& errors) {
     for (int k = 0; k < 3; ++k) filter.setVehicleState(5 + k, errors[k]);
-    const SensorPlacement sensor = vehicle.placement(kMounting, filter);
+    const SensorPlacement sensor = vehicle.placement(kMounting, filter.vehicle());
     Eigen::Vector2d z =
         predictRangeBearing(VehicleState::pose(filter), sensor.T_base_sensor, {14.0, 9.0}).value;
     z[0] += sensor.range_offset_m;
@@ -46,7 +46,7 @@ TEST(VehicleState, HasJacobiansByTheLasersErrors) {
   Car car;
   const Eigen::Vector3d errors(0.01, 0.05, -0.04);
   car.measured(errors);
-  const SensorPlacement sensor = car.vehicle.placement(kMounting, car.filter);
+  const SensorPlacement sensor = car.vehicle.placement(kMounting, car.filter.vehicle());
   const RangeBearing z =
       predictRangeBearing(VehicleState::pose(car.filter), sensor.T_base_sensor, {14.0, 9.0});
   const auto H = vehicleJacobian(z, sensor, car.filter.vehicleStates());
@@ -63,7 +63,7 @@ TEST(VehicleState, MeasuresFromWhereTheVehicleWasAtTheTimeOfMeasuring) {
   before.vehicle.moveTo(before.filter, 1.2);
   after.vehicle.moveTo(after.filter, 1.4);
   after.filter.setVehicleState(7, -0.2);
-  const SensorPlacement sensor = after.vehicle.placement(kMounting, after.filter);
+  const SensorPlacement sensor = after.vehicle.placement(kMounting, after.filter.vehicle());
   const Pose2 found = VehicleState::pose(after.filter) * sensor.T_base_sensor;
   const Pose2 expected = VehicleState::pose(before.filter) * kMounting;
   EXPECT_LT((found.vector() - expected.vector()).norm(), 1e-12);
@@ -72,7 +72,7 @@ TEST(VehicleState, MeasuresFromWhereTheVehicleWasAtTheTimeOfMeasuring) {
 TEST(VehicleState, LeavesOutWhatIsKnownForCertain) {
   const VehicleState vehicle(VehicleConfig{}, false, false);
   const CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance());
-  const SensorPlacement sensor = vehicle.placement(kMounting, filter);
+  const SensorPlacement sensor = vehicle.placement(kMounting, filter.vehicle());
   EXPECT_EQ(vehicle.size(), 5);
   EXPECT_EQ(sensor.range_offset_state, -1);
   EXPECT_EQ(sensor.time_offset_state, -1);
