@@ -27,11 +27,25 @@ class Experiment:
         self.output.mkdir(parents=True, exist_ok=True)
         self.work = self.output / name
         self.work.mkdir(exist_ok=True)
-        self._tools = arguments.build / "devel/lib/hymm"
+        self._build = arguments.build
+        self.commit = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"],
+                                     stdout=subprocess.PIPE, text=True).stdout.strip()
 
     def run(self, tool, *arguments):
         """Runs a tool of the package; returns what it printed on standard output."""
-        command = [str(self._tools / tool), *map(str, arguments)]
+        return self._call(self.tool(tool), *arguments)
+
+    def run_test_program(self, program, *arguments):
+        """The same with a program that was built with the tests."""
+        return self._call(self._build / "tests" / program, *arguments)
+
+    def tool(self, name):
+        """Where a tool of the package is."""
+        return self._build / "devel/lib/hymm" / name
+
+    @staticmethod
+    def _call(program, *arguments):
+        command = [str(program), *map(str, arguments)]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         if done.returncode != 0:
             sys.exit(f"{shlex.join(command)} failed:\n{done.stderr}")
@@ -42,14 +56,12 @@ class Experiment:
 
     def finish(self, figures, goals, **details):
         """Writes NAME.json and prints its figures."""
-        commit = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"],
-                                stdout=subprocess.PIPE, text=True).stdout.strip()
         outcome = {
             **figures,
             "goals": goals,
             **details,
             "command": f"scripts/experiments/{self.name} --seeds {self.seeds}",
-            "commit": commit,
+            "commit": self.commit,
             "cores": os.cpu_count(),
         }
         (self.output / f"{self.name}.json").write_text(json.dumps(outcome, indent=2) + "\n")

@@ -33,7 +33,7 @@ class ShadowedDrive {
     }
   }
 
-  /// One scan period. True when it ended with a global update.
+  /// One scan period. True when it ended with the start of a global update.
   bool step() {
     ++steps_;
     move();
@@ -52,8 +52,8 @@ class ShadowedDrive {
   }
 
  private:
-  static constexpr int kLandmarks = 50;
-  static constexpr double kHalfSide_m = 75.0;
+  static constexpr int kLandmarks = 90;
+  static constexpr double kHalfSide_m = 100.0;
   static constexpr double kCell_m = 30.0;
   static constexpr double kRange_m = 28.0;
   static constexpr double kPeriod_s = 0.214;
@@ -239,8 +239,8 @@ class ShadowedDrive {
   bool leaveCell() {
     const Eigen::Vector2d position = filters_.compressed().vehicle().head<2>();
     if ((position - area_centre_).cwiseAbs().maxCoeff() < 0.5 * kCell_m + 3.0) return false;
+    if (!filters_.compressed().globalUpdate()) return false;
     area_centre_ = (position / kCell_m).array().round() * kCell_m;
-    filters_.compressed().globalUpdate();
     return true;
   }
 

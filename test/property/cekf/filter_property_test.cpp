@@ -1,5 +1,6 @@
 // Random histories of the compressed filter, beside the textbook one.
 
+#include <memory>
 #include <ostream>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "common/random.h"
 #include "support/filter_pair.h"
 #include "support/shadowed_drive.h"
+#include "support/worker_hold.h"
 
 namespace hymm::core {
 namespace {
@@ -22,7 +24,17 @@ using Eigen::VectorXd;
 constexpr int kVehicleStates = 6;
 constexpr double kExact = 1e-9;
 
-enum class Kind { kPredict, kAppend, kRemove, kObserve, kFuse, kFix, kInitialise, kGlobalUpdate };
+enum class Kind {
+  kPredict,
+  kAppend,
+  kRemove,
+  kObserve,
+  kFuse,
+  kFix,
+  kInitialise,
+  kGlobalUpdate,
+  kFinishGlobalUpdate
+};
 
 /// Something that happens to a filter. `chance` decides its numbers, so that a history shrinks step
 /// by step.
@@ -32,8 +44,8 @@ struct Step {
 };
 
 void showValue(const Step& step, std::ostream& stream) {
-  static const char* const kNames[] = {"predict", "append", "remove",     "observe",
-                                       "fuse",    "fix",    "initialise", "global update"};
+  static const char* const kNames[] = {"predict", "append",     "remove",        "observe", "fuse",
+                                       "fix",     "initialise", "global update", "finish"};
   stream << kNames[static_cast<int>(step.kind)] << ' ' << step.chance;
 }
 
@@ -45,7 +57,8 @@ rc::Gen<std::vector<Step>> anyHistory() {
                                                     {1, Kind::kFuse},
                                                     {1, Kind::kFix},
                                                     {1, Kind::kInitialise},
-                                                    {2, Kind::kGlobalUpdate}});
+                                                    {2, Kind::kGlobalUpdate},
+                                                    {1, Kind::kFinishGlobalUpdate}});
   // Twice as long as RapidCheck would make them: short histories find little.
   return rc::gen::scale(2.0, rc::gen::container<std::vector<Step>>(
                                  rc::gen::construct<Step>(kind, rc::gen::inRange(0U, 1000U))));
@@ -59,9 +72,13 @@ MatrixXd randomMatrix(RandomGenerator& generator, int rows, int columns, double 
 
 class RandomFilters {
  public:
-  RandomFilters()
+  /// In the background, a global update stays pending until the step that finishes it.
+  explicit RandomFilters(SerialWorker::Mode mode)
       : filters_(VectorXd::Zero(kVehicleStates),
-                 VectorXd::LinSpaced(kVehicleStates, 0.1, 0.6).asDiagonal()) {}
+                 VectorXd::LinSpaced(kVehicleStates, 0.1, 0.6).asDiagonal(), mode),
+        in_background_(mode == SerialWorker::Mode::kBackground) {
+    holdWorker();
+  }
 
   void apply(const Step& step) {
     generator_.seed(step.chance);
@@ -84,12 +101,24 @@ class RandomFilters {
       case Kind::kGlobalUpdate:
         filters_.compressed().globalUpdate();
         return;
+      case Kind::kFinishGlobalUpdate:
+        return finishGlobalUpdate();
     }
+  }
+
+  void finishGlobalUpdate() {
+    hold_.reset();
+    filters_.compressed().finishGlobalUpdate();
+    holdWorker();
   }
 
   const test::FilterPair& pair() const { return filters_; }
 
  private:
+  void holdWorker() {
+    if (in_background_) hold_ = std::make_unique<test::WorkerHold>(filters_.compressed());
+  }
+
   int anyLandmark() {
     const auto& slots = filters_.slots();
     const auto index = std::uniform_int_distribution<std::size_t>(0, slots.size() - 1)(generator_);
@@ -149,6 +178,8 @@ class RandomFilters {
 
   RandomGenerator generator_;
   test::FilterPair filters_;
+  bool in_background_;
+  std::unique_ptr<test::WorkerHold> hold_;
 };
 
 void assertEqual(const test::FilterDifference& difference) {
@@ -157,13 +188,22 @@ void assertEqual(const test::FilterDifference& difference) {
 }
 
 RC_GTEST_PROP(CompressedEkf, EqualsTheFullEkfAfterAnyHistory, ()) {
-  RandomFilters filters;
+  RandomFilters filters(SerialWorker::Mode::kInline);
   for (const Step& step : *anyHistory()) filters.apply(step);
   assertEqual(filters.pair().difference());
 }
 
+RC_GTEST_PROP(CompressedEkf, EqualsTheFullEkfWhileAGlobalUpdateIsPending, ()) {
+  RandomFilters filters(SerialWorker::Mode::kBackground);
+  for (const Step& step : *anyHistory()) filters.apply(step);
+  filters.apply({Kind::kGlobalUpdate, 0});
+  assertEqual(filters.pair().difference());
+  filters.finishGlobalUpdate();
+  assertEqual(filters.pair().difference());
+}
+
 RC_GTEST_PROP(CompressedEkf, KeepsItsCovarianceSymmetricAndPositive, ()) {
-  RandomFilters filters;
+  RandomFilters filters(SerialWorker::Mode::kInline);
   for (const Step& step : *anyHistory()) filters.apply(step);
   const test::FilterDifference difference = filters.pair().difference();
   // Symmetric to rounding only: a block of two passive landmarks is a product.
@@ -172,7 +212,7 @@ RC_GTEST_PROP(CompressedEkf, KeepsItsCovarianceSymmetricAndPositive, ()) {
 }
 
 RC_GTEST_PROP(CompressedEkf, EqualsTheFullEkfAlsoWhenSlotsAreUsedAgain, ()) {
-  RandomFilters filters;
+  RandomFilters filters(SerialWorker::Mode::kInline);
   for (unsigned i = 0; i < 6; ++i) filters.apply({Kind::kAppend, i});
   for (const unsigned chance :
        *rc::gen::container<std::vector<unsigned>>(8, rc::gen::inRange(0U, 1000U))) {
