@@ -1,12 +1,15 @@
 #pragma once
 
+#include <string>
+
 #include "benchmark/plain_names.h"
 
 namespace hymm::benchmarks {
 
 struct ScanOptions {
-  int scans = 700;          ///< over 20 area switches at 5 m/s
-  double live_speed = 2.0;  ///< pace of the scans, as a multiple of the live one; 0: at once
+  int scans = 700;           ///< over 20 area switches at 5 m/s
+  double live_speed = 2.0;   ///< pace of the scans, as a multiple of the live one; 0: at once
+  std::string perf_control;  ///< FIFO that tells perf when the drive begins and ends
 };
 
 /// BM_ScanCompressedEkf, BM_ScanFullEkf.

@@ -32,8 +32,11 @@ void printHelp() {
       "Options of its own:\n"
       "  --scans=NUMBER        scans that BM_ScanCompressedEkf drives (default 700: over 20 area\n"
       "                        switches); BM_ScanFullEkf drives as many of them as bearable\n"
-      "  --live_speed=FACTOR   pace of the scans, as a multiple of 4.67 Hz (default 2); 0: at "
-      "once\n"
+      "  --live_speed=FACTOR   pace of the scans, as a multiple of 4.67 Hz (default 2), 0: no"
+      " pause\n"
+      "  --perf_control=FIFO   tells `perf record --control fifo:FIFO --delay -1` when the drive "
+      "of\n"
+      "                        BM_ScanCompressedEkf begins and ends\n"
       "\n"
       "Options of Google Benchmark:");
   benchmark::PrintDefaultHelp();
@@ -67,6 +70,8 @@ Options takeOptions(int& argc, char** argv) {
       options.scan.scans = static_cast<int>(numberOf(value, "--scans"));
     } else if ((value = valueOf(argv[i], "--live_speed")) != nullptr) {
       options.scan.live_speed = numberOf(value, "--live_speed");
+    } else if ((value = valueOf(argv[i], "--perf_control")) != nullptr) {
+      options.scan.perf_control = value;
     } else if ((value = valueOf(argv[i], "--benchmark_filter")) != nullptr) {
       options.filter = value;
     } else if (std::strcmp(argv[i], "--benchmark_list_tests") == 0 ||

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -36,6 +37,24 @@ class Pace {
  private:
   std::chrono::duration<double> period_;
   Clock::time_point next_;
+};
+
+/// Lets `perf record --control fifo:FIFO --delay -1` record while it lives.
+class PerfControl {
+ public:
+  explicit PerfControl(const std::string& fifo) {
+    if (fifo.empty()) return;
+    fifo_.open(fifo);
+    fifo_ << "enable" << std::endl;
+  }
+  ~PerfControl() {
+    if (fifo_.is_open()) fifo_ << "disable" << std::endl;
+  }
+  PerfControl(const PerfControl&) = delete;
+  PerfControl& operator=(const PerfControl&) = delete;
+
+ private:
+  std::ofstream fifo_;
 };
 
 /// Wall times of scans.
@@ -83,8 +102,11 @@ void scanCompressedEkf(benchmark::State& state, int landmarks, const ScanOptions
   core::CekfSlamConfig config;
   config.motion_input = "odom";
   config.observation_input = "detections";
-  core::CekfSlam slam(config, plain.vehicle);
-  for (const ScanPeriod& period : plain.survey) process(slam, period);
+  core::CekfSlam slam(config, plain.vehicle, core::CekfSlam::GlobalUpdates::kBackground);
+  for (const ScanPeriod& period : plain.survey) {
+    process(slam, period);
+    while (slam.isGlobalUpdatePending()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
 
   Pace pace(options.live_speed);
   Latencies latencies;
@@ -93,7 +115,9 @@ void scanCompressedEkf(benchmark::State& state, int landmarks, const ScanOptions
     pace.wait();
     process(slam, plain.drive[scan]);
   }
-  const std::size_t switches_before = slam.counts().area_switches;
+  const core::CekfSlam::Counts before = slam.counts();
+  const double worker_before_s = slam.cpuTimes().worker_s;
+  const PerfControl perf(options.perf_control);
   double observations = 0.0;
   for (auto _ : state) {
     const ScanPeriod& period = plain.drive[scan++];
@@ -105,9 +129,13 @@ void scanCompressedEkf(benchmark::State& state, int landmarks, const ScanOptions
   }
   const auto scans = static_cast<double>(state.iterations());
   latencies.report(state);
-  state.counters["worker_ms"] = 0.0;
-  state.counters["area_switches"] =
-      static_cast<double>(slam.counts().area_switches - switches_before);
+  const core::CekfSlam::Counts after = slam.counts();
+  state.counters["worker_ms"] = 1e3 * (slam.cpuTimes().worker_s - worker_before_s) / scans;
+  state.counters["area_switches"] = static_cast<double>(after.area_switches - before.area_switches);
+  state.counters["global_updates"] =
+      static_cast<double>(after.global_updates - before.global_updates);
+  state.counters["scans_that_waited"] =
+      static_cast<double>(after.global_update_waits - before.global_update_waits);
   state.counters["observations"] = observations / scans;
   state.counters["landmarks"] = static_cast<double>(slam.landmarkCount());
   state.counters["position_error_m"] = positionError(slam.pose().T_map_base, plain.drive[scan - 1]);
