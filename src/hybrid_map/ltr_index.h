@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "hybrid_map/cell_traversal.h"
+
 namespace hymm::core {
 
 /// Finds LTRs by place: a hash of square cells over map, each with the LTRs whose bounding box
@@ -35,6 +37,18 @@ class LtrIndex {
         }
       }
     }
+  }
+
+  /// Calls `visit(ltr)` for the LTRs in each cell that the straight line passes; one that is in
+  /// many of these cells is visited as often.
+  template <class Visitor>
+  void visitAlong(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Visitor&& visitor) const {
+    const auto visitCell = [&](std::int32_t x, std::int32_t y) {
+      const auto cell = content_.find(keyOf(x, y));
+      if (cell == content_.end()) return;
+      for (const int ltr : cell->second) visitor(ltr);
+    };
+    traverseCells(from * cells_per_m_, to * cells_per_m_, visitCell, visitCell);
   }
 
  private:

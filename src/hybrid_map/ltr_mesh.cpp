@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "hybrid_map/input_check.h"
+
 namespace hymm::core {
 
 int LtrMesh::addVertex(int landmark_id, const Eigen::Vector2d& position) {
@@ -169,7 +171,7 @@ int LtrMesh::walk(const Eigen::Vector2d& point, int from) const {
 }
 
 int LtrMesh::locate(const Eigen::Vector2d& point, int hint) const {
-  if (!point.allFinite() || point.cwiseAbs().maxCoeff() > kFarthest_m) return kNone;
+  if (!isPlace(point)) return kNone;
   if (hint >= 0 && hint < ltrEnd() && ltrs_[std::size_t(hint)].is_alive) {
     const int reached = walk(point, hint);
     if (reached != kNone) return reached;

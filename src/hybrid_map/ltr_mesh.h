@@ -16,9 +16,6 @@ namespace hymm::core {
 /// No LTR, or no vertex.
 constexpr int kNone = -1;
 
-/// Coordinates beyond this [m] are no place on earth; they are refused.
-constexpr double kFarthest_m = 1e7;
-
 /// A local triangular region. Side k runs from vertex k to vertex k + 1 (modulo 3).
 struct Ltr {
   bool is_alive = true;

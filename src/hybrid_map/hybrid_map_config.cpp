@@ -1,0 +1,93 @@
+#include "hybrid_map/hybrid_map_config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "hybrid_map/layer_set.h"
+
+namespace hymm::core {
+
+void OccupancyConfig::describe(ConfigSchema& schema) {
+  schema.number("hit_probability", hit_probability, Range::between(0.5, 0.99),
+                "that a cell is occupied in which one beam ends");
+  schema.number("miss_probability", miss_probability, Range::between(0.01, 0.5),
+                "that a cell is occupied through which one beam passes");
+  schema.number("min_probability", min_probability, Range::between(0.001, 0.5),
+                "below which no more is learned, so that what changes can be relearned");
+  schema.number("max_probability", max_probability, Range::between(0.5, 0.999),
+                "above which no more is learned");
+  schema.number("range_m", range_m, Range::positive(), "up to which beams are written");
+  schema.flag("clear_without_return", clear_without_return,
+              "a beam without return shows free space up to range_m; false for lasers that lose "
+              "dark or shiny things");
+}
+
+void HybridMapConfig::describe(ConfigSchema& schema) {
+  schema.number("resolution_m", resolution_m, Range{0.005, 10.0, false},
+                "largest side of a cell when its LTR is made");
+  schema.text("layers", layers,
+              "besides the occupancy, as 'NAME MODEL WORD...; ...': 'height gaussian', 'terrain "
+              "category grass asphalt', 'traffic rate dry wet' (weathers to tell apart, or none)");
+  schema.integer("day_parts", day_parts, Range::between(1.0, 24.0),
+                 "equal parts of the day that rate layers tell apart");
+  schema.number("max_pose_deviation_m", max_pose_deviation_m, Range::positive(),
+                "of the sensor, relative to the landmarks around; less certain scans are not "
+                "written");
+  schema.number("max_heading_deviation_rad", max_heading_deviation_rad, Range::positive(),
+                "of the sensor, relative to the landmarks around");
+  schema.number("max_sample_deviation_m", max_sample_deviation_m, Range::positive(),
+                "of a property sample's place; less certain samples are refused");
+  schema.number("active_radius_m", active_radius_m, Range::positive(),
+                "around the vehicle, in which all layers are to fit into max_memory_mb");
+  schema.number("max_memory_mb", max_memory_mb, Range::positive(),
+                "for the cells of the vehicle's neighbourhood");
+  schema.group("occupancy", occupancy);
+  schema.group("partition", partition);
+  schema.group("waiting", waiting);
+}
+
+double HybridMapConfig::activeMemory_mb() const {
+  std::vector<std::string> ignored;
+  const LayerSet set(layers, day_parts, ignored);
+  const double edge = 2.0 * (active_radius_m + partition.max_side_m);
+  // A cell is a parallelogram around the angle that is nearest to a right one: of a triangle whose
+  // smallest angle is s, at worst pi - 2 s.
+  const double sine = std::min(std::sin(M_PI / 3.0), std::sin(2.0 * partition.min_angle_rad));
+  const double cells = edge * edge / (resolution_m * resolution_m * sine);
+  return cells * set.channelsTogether() * static_cast<double>(sizeof(float)) / 1e6;
+}
+
+std::vector<std::string> HybridMapConfig::problems() const {
+  std::vector<std::string> problems;
+  HybridMapConfig copy = *this;
+  ConfigSchema schema;
+  copy.describe(schema);
+  for (const ConfigSchema::Entry& entry : schema.entries()) {
+    double value = entry.range.min;
+    if (auto* const* number = std::get_if<double*>(&entry.value)) value = **number;
+    if (auto* const* integer = std::get_if<int*>(&entry.value)) value = **integer;
+    const bool is_number = entry.value.index() < 2;
+    if (is_number && !entry.range.contains(value)) {
+      std::ostringstream text;
+      text << entry.path << ": is " << value << ", but must be " << entry.range.text() << ".";
+      problems.push_back(text.str());
+    }
+  }
+  const LayerSet set(layers, day_parts, problems);
+  if (partition.min_side_m > partition.max_side_m) {
+    problems.emplace_back("partition.min_side_m: is greater than partition.max_side_m.");
+  }
+  if (!problems.empty()) return problems;
+  if (const double needed = activeMemory_mb(); needed > max_memory_mb) {
+    std::ostringstream text;
+    text << "resolution_m: cells of " << resolution_m << " m in " << set.count()
+         << " layer(s) need " << std::ceil(needed) << " MB within active_radius_m, more than "
+         << "max_memory_mb = " << max_memory_mb << "; choose a coarser resolution, fewer layers, "
+         << "or more memory.";
+    problems.push_back(text.str());
+  }
+  return problems;
+}
+
+}  // namespace hymm::core

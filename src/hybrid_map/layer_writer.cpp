@@ -1,0 +1,109 @@
+#include "hybrid_map/layer_writer.h"
+
+#include <cmath>
+
+namespace hymm::core {
+
+LayerWriter::LayerWriter(const HybridMapConfig& config, const LayerSet& layers)
+    : config_(config), layers_(layers), waiting_(config.waiting, layers, config.resolution_m) {}
+
+void LayerWriter::begin(const Eigen::Vector2d& place, const LandmarkPlaces& landmarks,
+                        std::uint64_t revision) {
+  revision_ = revision;
+  waiting_.select(place, landmarks);
+}
+
+float* LayerWriter::cellOfLtr(const LtrPartition& partition, int ltr, int layer,
+                              const Eigen::Vector2d& place) {
+  LtrCells& cells = *cells_[std::size_t(ltr)];
+  const int index = cells.grid.index(partition.mesh().ltr(ltr).triangle.toLocal(place));
+  return cells.store.write(layers_, layer, revision_) +
+         std::ptrdiff_t{index} * layers_.channels(layer);
+}
+
+bool LayerWriter::mergeIntoLtr(LtrPartition& partition, int layer, const Eigen::Vector2d& place,
+                               const float* cell, float share) {
+  const int ltr = partition.mesh().locate(place, hint_);
+  if (ltr == kNone) return false;
+  hint_ = ltr;
+  layers_.model(layer).merge(cell, share, cellOfLtr(partition, ltr, layer, place));
+  partition.addObservations(ltr, static_cast<double>(share));
+  return true;
+}
+
+void LayerWriter::addSample(LtrPartition& partition, int layer, const Eigen::Vector2d& place,
+                            const LayerSample& sample, double share) {
+  const int ltr = partition.mesh().locate(place, hint_);
+  float* cell = nullptr;
+  if (ltr != kNone) {
+    hint_ = ltr;
+    cell = cellOfLtr(partition, ltr, layer, place);
+    partition.addObservations(ltr, share);
+  } else {
+    const Eigen::Vector2d cells = waiting_.toCells(place);
+    cell = waiting_.cell(layer, static_cast<int>(std::floor(cells.x())),
+                         static_cast<int>(std::floor(cells.y())), revision_);
+  }
+  layers_.model(layer).add(sample, share, cell);
+}
+
+void LayerWriter::follow(LtrPartition& partition, const PartitionChange& change,
+                         const LandmarkPlaces& landmarks, std::uint64_t revision) {
+  revision_ = revision;
+  waiting_.follow(landmarks);
+  cells_.resize(std::size_t(partition.mesh().ltrEnd()));
+  std::vector<WaitingTiles::Box> boxes;
+  for (const int ltr : change.created) {
+    const Triangle& triangle = partition.mesh().ltr(ltr).triangle;
+    cells_[std::size_t(ltr)] = std::make_unique<LtrCells>(layers_, triangle, config_.resolution_m);
+    const Corners corners = partition.mesh().corners(ltr);
+    boxes.push_back({corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]),
+                     corners[0].cwiseMax(corners[1]).cwiseMax(corners[2])});
+  }
+  for (const RetiredLtr& retired : change.retired) moveRetired(partition, retired, landmarks);
+  if (boxes.empty() || waiting_.isEmpty()) return;
+  waiting_.settle(boxes,
+                  [&](int layer, const Eigen::Vector2d& place, const float* cell, float share) {
+                    return mergeIntoLtr(partition, layer, place, cell, share);
+                  });
+}
+
+void LayerWriter::moveRetired(LtrPartition& partition, const RetiredLtr& retired,
+                              const LandmarkPlaces& landmarks) {
+  const std::unique_ptr<LtrCells> cells = std::move(cells_[std::size_t(retired.ltr)]);
+  if (cells == nullptr) return;
+  const Eigen::Vector2d centre = retired.last_valid.toGlobal(Triangle::Local::Constant(1.0 / 3.0));
+  waiting_.select(retired.T_map_last_valid * centre, landmarks);
+  visitCells(*cells, layers_,
+             [&](int layer, const float* cell, const auto& parts, std::size_t count) {
+               const float share = 1.0F / static_cast<float>(count);
+               for (std::size_t i = 0; i < count; ++i) {
+                 const Eigen::Vector2d place =
+                     retired.T_map_last_valid * retired.last_valid.toGlobal(parts[i]);
+                 if (mergeIntoLtr(partition, layer, place, cell, share)) continue;
+                 const Eigen::Vector2d at = waiting_.toCells(place);
+                 float* waiting = waiting_.cell(layer, static_cast<int>(std::floor(at.x())),
+                                                static_cast<int>(std::floor(at.y())), revision_);
+                 layers_.model(layer).merge(cell, share, waiting);
+               }
+             });
+}
+
+double LayerWriter::evidence(int layer) const {
+  double sum = 0.0;
+  for (const auto& cells : cells_) {
+    if (cells == nullptr || cells->store.isEmpty(layer)) continue;
+    for (int cell = 0; cell < cells->store.cellCount(); ++cell) {
+      sum += layers_.model(layer).evidence(cells->store.read(layers_, layer, cell));
+    }
+  }
+  return sum;
+}
+
+std::size_t LayerWriter::bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& cells : cells_) bytes += cells == nullptr ? 0 : cells->store.bytes();
+  return bytes;
+}
+
+}  // namespace hymm::core

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "hybrid_map/cell_traversal.h"
+#include "hybrid_map/simplex.h"
+
+namespace hymm::core {
+
+/// Cells of an LTR: a grid in (alpha, beta), of which only cells are kept that the triangle
+/// touches. Row j holds the cells with beta between j / betaCells() and (j + 1) / betaCells(). When
+/// the LTR is made a cell's sides are at most `resolution` long; later they stretch with it.
+class TriangularGrid {
+ public:
+  TriangularGrid(const Triangle& triangle, double resolution_m)
+      : alpha_cells_(cellsAlong(triangle.edges().col(0).norm(), resolution_m)),
+        beta_cells_(cellsAlong(triangle.edges().col(1).norm(), resolution_m)) {
+    row_starts_.reserve(std::size_t(beta_cells_) + 1);
+    int start = 0;
+    for (int j = 0; j < beta_cells_; ++j) {
+      row_starts_.push_back(start);
+      // Cells whose least corner lies inside: i / alpha_cells + j / beta_cells < 1.
+      const long long inside = 1LL * alpha_cells_ * (beta_cells_ - j);
+      start += static_cast<int>((inside + beta_cells_ - 1) / beta_cells_);
+    }
+    row_starts_.push_back(start);
+  }
+
+  int alphaCells() const { return alpha_cells_; }
+  int betaCells() const { return beta_cells_; }
+  int cellCount() const { return row_starts_.back(); }
+  int rowLength(int j) const {
+    return row_starts_[std::size_t(j) + 1] - row_starts_[std::size_t(j)];
+  }
+
+  /// Place in units of cells.
+  Triangle::Local toCells(const Triangle::Local& local) const {
+    return {local.x() * alpha_cells_, local.y() * beta_cells_};
+  }
+
+  /// Calls `visit(index)` for each cell that the straight line between two places in the triangle
+  /// passes, in order, and `visitLast(index)` for the one in which it ends.
+  template <class Visitor, class LastVisitor>
+  void traverse(const Triangle::Local& from, const Triangle::Local& to, Visitor&& visit,
+                LastVisitor&& visitLast) const {
+    const int* starts = row_starts_.data();
+    // Rounding may put a cell one beyond the end of its row, never beyond the other borders.
+    const auto indexOf = [starts](int i, int j) {
+      return std::min(starts[j] + i, starts[j + 1] - 1);
+    };
+    traverseCells(
+        toCellsInside(from), toCellsInside(to), [&](int i, int j) { visit(indexOf(i, j)); },
+        [&](int i, int j) { visitLast(indexOf(i, j)); });
+  }
+
+  /// The cell (i, j), or the nearest one in the grid.
+  int index(int i, int j) const {
+    const int row = std::clamp(j, 0, beta_cells_ - 1);
+    return row_starts_[std::size_t(row)] + std::clamp(i, 0, rowLength(row) - 1);
+  }
+  int index(const Triangle::Local& local) const {
+    const Triangle::Local cells = toCells(local);
+    return index(static_cast<int>(std::floor(cells.x())), static_cast<int>(std::floor(cells.y())));
+  }
+
+ private:
+  static int cellsAlong(double side_m, double resolution_m) {
+    return std::max(1, static_cast<int>(std::ceil(side_m / resolution_m)));
+  }
+
+  /// Place in units of cells, of a point on a border in the outermost cell.
+  Triangle::Local toCellsInside(const Triangle::Local& local) const {
+    constexpr double kBelowOne = 1.0 - 1e-12;
+    return {std::clamp(local.x(), 0.0, kBelowOne) * alpha_cells_,
+            std::clamp(local.y(), 0.0, kBelowOne) * beta_cells_};
+  }
+
+  int alpha_cells_, beta_cells_;
+  std::vector<int> row_starts_;  ///< and the end
+};
+
+}  // namespace hymm::core

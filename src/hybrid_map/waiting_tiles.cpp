@@ -1,0 +1,215 @@
+#include "hybrid_map/waiting_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hybrid_map/cell_shares.h"
+
+namespace hymm::core {
+namespace {
+
+// Nearer to each other, two landmarks do not tell a direction well.
+constexpr double kAnchorSeparation_m = 3.0;
+
+constexpr double kBytesPerMb = 1e6;
+
+int floorDivide(int value, int divisor) {
+  return value >= 0 ? value / divisor : -((-value + divisor - 1) / divisor);
+}
+
+}  // namespace
+
+void WaitingConfig::describe(ConfigSchema& schema) {
+  schema.number("anchor_range_m", anchor_range_m, Range::positive(),
+                "from the sensor to landmarks that observations outside of all LTRs are kept by");
+  schema.number("max_memory_mb", max_memory_mb, Range::positive(),
+                "for observations outside of all LTRs; beyond, the oldest are dropped and counted");
+}
+
+WaitingTiles::WaitingTiles(const WaitingConfig& config, const LayerSet& layers, double resolution_m)
+    : config_(config), layers_(layers), resolution_m_(resolution_m) {}
+
+bool WaitingTiles::areThere(const std::pair<int, int>& anchors,
+                            const LandmarkPlaces& landmarks) const {
+  return (anchors.first < 0 || landmarks.find(anchors.first)) &&
+         (anchors.second < 0 || landmarks.find(anchors.second));
+}
+
+/// Stands at the first anchor, x axis towards the second. With fewer: map's axes, and origin.
+Pose2 WaitingTiles::anchorFrame(const std::pair<int, int>& anchors,
+                                const LandmarkPlaces& landmarks) const {
+  const auto first = anchors.first < 0 ? std::nullopt : landmarks.find(anchors.first);
+  if (!first) return {};
+  const auto second = anchors.second < 0 ? std::nullopt : landmarks.find(anchors.second);
+  if (!second) return {first->x(), first->y(), 0.0};
+  const Eigen::Vector2d along = *second - *first;
+  return {first->x(), first->y(), std::atan2(along.y(), along.x())};
+}
+
+void WaitingTiles::anchor(Sheet& sheet, const Eigen::Vector2d& place,
+                          const LandmarkPlaces& landmarks) const {
+  sheet.anchors = landmarks.nearestTwo(place, config_.anchor_range_m, kAnchorSeparation_m);
+  sheet.T_anchors_sheet = inverse(anchorFrame(sheet.anchors, landmarks)) * sheet.T_map_sheet;
+}
+
+bool WaitingTiles::suits(const Sheet& sheet, const Eigen::Vector2d& place,
+                         const LandmarkPlaces& landmarks) const {
+  const auto isNear = [&](int id) {
+    const auto anchor = id < 0 ? std::nullopt : landmarks.find(id);
+    return anchor && (*anchor - place).norm() <= config_.anchor_range_m;
+  };
+  return isNear(sheet.anchors.first) && isNear(sheet.anchors.second);
+}
+
+void WaitingTiles::select(const Eigen::Vector2d& place, const LandmarkPlaces& landmarks) {
+  last_tile_ = nullptr;
+  const bool stays = selected_ < sheets_.size() && suits(sheets_[selected_], place, landmarks);
+  if (!stays) {
+    Sheet sheet;
+    anchor(sheet, place, landmarks);
+    const auto known = std::find_if(sheets_.begin(), sheets_.end(), [&](const Sheet& other) {
+      return other.anchors == sheet.anchors;
+    });
+    selected_ = static_cast<std::size_t>(known - sheets_.begin());
+    if (known == sheets_.end()) sheets_.push_back(std::move(sheet));
+  }
+  T_cells_map_ = inverse(sheets_[selected_].T_map_sheet);
+}
+
+float* WaitingTiles::cell(int layer, int i, int j, std::uint64_t revision) {
+  const TilePlace place(floorDivide(i, kTileCells), floorDivide(j, kTileCells));
+  if (last_tile_ == nullptr || place != last_place_) {
+    auto& tiles = sheets_[selected_].tiles;
+    last_tile_ = &tiles.try_emplace(place, layers_, kTileCells * kTileCells).first->second;
+    last_place_ = place;
+  }
+  const int index = (j - place.second * kTileCells) * kTileCells + (i - place.first * kTileCells);
+  return last_tile_->write(layers_, layer, revision) +
+         std::ptrdiff_t{index} * layers_.channels(layer);
+}
+
+Eigen::Vector2d WaitingTiles::centreOf(const Sheet& sheet) const {
+  const double tile_m = kTileCells * resolution_m_;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const auto& [place, tile] : sheet.tiles) {
+    sum += tile_m * (Eigen::Vector2d(place.first, place.second).array() + 0.5).matrix();
+  }
+  return sheet.T_map_sheet *
+         (sum / static_cast<double>(std::max<std::size_t>(1, sheet.tiles.size())));
+}
+
+void WaitingTiles::follow(const LandmarkPlaces& landmarks) {
+  last_tile_ = nullptr;
+  forgetEmptySheets();
+  for (Sheet& sheet : sheets_) {
+    const bool all_there = areThere(sheet.anchors, landmarks);
+    if (all_there) {
+      sheet.T_map_sheet = anchorFrame(sheet.anchors, landmarks) * sheet.T_anchors_sheet;
+    }
+    // From here on it stays where it is with respect to landmarks that are there.
+    const bool has_two = sheet.anchors.first >= 0 && sheet.anchors.second >= 0;
+    if (!all_there || !has_two) anchor(sheet, centreOf(sheet), landmarks);
+  }
+}
+
+bool WaitingTiles::touches(const Sheet& sheet, const TilePlace& tile,
+                           const std::vector<Box>& boxes) const {
+  const double tile_m = kTileCells * resolution_m_;
+  const Eigen::Vector2d centre =
+      sheet.T_map_sheet *
+      (tile_m * (Eigen::Vector2d(tile.first, tile.second).array() + 0.5)).matrix();
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(tile_m * M_SQRT1_2);
+  return std::any_of(boxes.begin(), boxes.end(), [&](const Box& box) {
+    return ((centre + reach).array() >= box.low.array()).all() &&
+           ((centre - reach).array() <= box.high.array()).all();
+  });
+}
+
+void WaitingTiles::settle(const std::vector<Box>& boxes, const Taker& take) {
+  last_tile_ = nullptr;
+  for (Sheet& sheet : sheets_) {
+    for (auto tile = sheet.tiles.begin(); tile != sheet.tiles.end();) {
+      const bool is_empty =
+          touches(sheet, tile->first, boxes) && settleTile(sheet, tile->first, tile->second, take);
+      tile = is_empty ? sheet.tiles.erase(tile) : std::next(tile);
+    }
+  }
+}
+
+/// Returns whether nothing is left in the tile.
+bool WaitingTiles::settleTile(const Sheet& sheet, const TilePlace& place, CellStore& tile,
+                              const Taker& take) {
+  bool is_empty = true;
+  for (int layer = 0; layer < layers_.count(); ++layer) {
+    if (tile.isEmpty(layer)) continue;
+    const CellModel& model = layers_.model(layer);
+    float* cell = tile.write(layers_, layer, tile.revision(layer));
+    for (int index = 0; index < tile.cellCount(); ++index, cell += layers_.channels(layer)) {
+      if (!hasEvidence(cell, layers_.channels(layer))) continue;
+      const Eigen::Vector2d corner(place.first * kTileCells + index % kTileCells,
+                                   place.second * kTileCells + index / kTileCells);
+      int taken = 0;
+      for (const Eigen::Vector2d& part : kCellParts) {
+        const Eigen::Vector2d at = sheet.T_map_sheet * (resolution_m_ * (corner + part));
+        if (take(layer, at, cell, kCellPartShare)) ++taken;
+      }
+      model.keep(static_cast<float>(static_cast<int>(kCellParts.size()) - taken) * kCellPartShare,
+                 cell);
+      is_empty = is_empty && taken == static_cast<int>(kCellParts.size());
+    }
+  }
+  return is_empty;
+}
+
+void WaitingTiles::forgetEmptySheets() {
+  const auto end = std::remove_if(sheets_.begin(), sheets_.end(),
+                                  [](const Sheet& sheet) { return sheet.tiles.empty(); });
+  if (end == sheets_.end()) return;
+  sheets_.erase(end, sheets_.end());
+  selected_ = sheets_.size();  // none
+}
+
+std::size_t WaitingTiles::bytes() const {
+  std::size_t bytes = 0;
+  for (const Sheet& sheet : sheets_) {
+    for (const auto& [place, tile] : sheet.tiles) bytes += tile.bytes();
+  }
+  return bytes;
+}
+
+std::size_t WaitingTiles::dropBeyondLimit() {
+  std::size_t used = bytes(), dropped = 0;
+  while (static_cast<double>(used) > config_.max_memory_mb * kBytesPerMb) {
+    Sheet* oldest_sheet = nullptr;
+    std::map<TilePlace, CellStore>::iterator oldest;
+    for (Sheet& sheet : sheets_) {
+      for (auto tile = sheet.tiles.begin(); tile != sheet.tiles.end(); ++tile) {
+        const bool is_older =
+            oldest_sheet == nullptr || tile->second.lastRevision() < oldest->second.lastRevision();
+        if (!is_older) continue;
+        oldest_sheet = &sheet;
+        oldest = tile;
+      }
+    }
+    used -= oldest->second.bytes();
+    oldest_sheet->tiles.erase(oldest);
+    last_tile_ = nullptr;
+    ++dropped;
+  }
+  return dropped;
+}
+
+double WaitingTiles::evidence(int layer) const {
+  double sum = 0.0;
+  for (const Sheet& sheet : sheets_) {
+    for (const auto& [place, tile] : sheet.tiles) {
+      if (tile.isEmpty(layer)) continue;
+      for (int cell = 0; cell < tile.cellCount(); ++cell) {
+        sum += layers_.model(layer).evidence(tile.read(layers_, layer, cell));
+      }
+    }
+  }
+  return sum;
+}
+
+}  // namespace hymm::core

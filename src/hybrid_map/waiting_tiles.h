@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/config.h"
+#include "common/pose2.h"
+#include "hybrid_map/cell_store.h"
+#include "hybrid_map/landmark_places.h"
+
+namespace hymm::core {
+
+struct WaitingConfig {
+  double anchor_range_m = 20.0;
+  double max_memory_mb = 64.0;
+
+  void describe(ConfigSchema& schema);
+};
+
+/// Observations outside of every LTR wait here until one covers them. They lie in square cells of a
+/// sheet, which moves with the two landmarks that it is anchored to (one, or none, where there are
+/// no more), and is written only near them.
+class WaitingTiles {
+ public:
+  /// `layers` outlives the object.
+  WaitingTiles(const WaitingConfig& config, const LayerSet& layers, double resolution_m);
+
+  /// Chooses the sheet for what is written next, near `place` in map.
+  void select(const Eigen::Vector2d& place, const LandmarkPlaces& landmarks);
+
+  /// Of the selected sheet: a place in map in units of its cells.
+  Eigen::Vector2d toCells(const Eigen::Vector2d& place) const {
+    return T_cells_map_ * place / resolution_m_;
+  }
+
+  /// The cell (i, j) of the selected sheet for writing; valid until the next call.
+  float* cell(int layer, int i, int j, std::uint64_t revision);
+
+  /// Moves the sheets with their landmarks.
+  void follow(const LandmarkPlaces& landmarks);
+
+  /// Offers the evidence in all tiles that touch one of the boxes (in map): `take(layer, place,
+  /// cell, share)` returns whether it took this share of the cell, which then is no longer here.
+  struct Box {
+    Eigen::Vector2d low, high;
+  };
+  using Taker =
+      std::function<bool(int layer, const Eigen::Vector2d& place, const float* cell, float share)>;
+  void settle(const std::vector<Box>& boxes, const Taker& take);
+
+  /// Drops the tiles that were not written for longest, until the rest fits the memory. Returns how
+  /// many.
+  std::size_t dropBeyondLimit();
+
+  std::size_t bytes() const;
+  bool isEmpty() const { return sheets_.empty(); }
+
+  /// Evidence of a layer in all tiles.
+  double evidence(int layer) const;
+
+ private:
+  static constexpr int kTileCells = 32;  ///< along a side
+  using TilePlace = std::pair<int, int>;
+
+  struct Sheet {
+    std::pair<int, int> anchors{-1, -1};  ///< landmark ids
+    Pose2 T_map_sheet;
+    Pose2 T_anchors_sheet;
+    std::map<TilePlace, CellStore> tiles;
+  };
+
+  Pose2 anchorFrame(const std::pair<int, int>& anchors, const LandmarkPlaces& landmarks) const;
+  bool areThere(const std::pair<int, int>& anchors, const LandmarkPlaces& landmarks) const;
+  bool suits(const Sheet& sheet, const Eigen::Vector2d& place,
+             const LandmarkPlaces& landmarks) const;
+  void anchor(Sheet& sheet, const Eigen::Vector2d& place, const LandmarkPlaces& landmarks) const;
+  Eigen::Vector2d centreOf(const Sheet& sheet) const;
+  bool touches(const Sheet& sheet, const TilePlace& tile, const std::vector<Box>& boxes) const;
+  bool settleTile(const Sheet& sheet, const TilePlace& place, CellStore& tile, const Taker& take);
+  void forgetEmptySheets();
+
+  WaitingConfig config_;
+  const LayerSet& layers_;
+  double resolution_m_;
+  std::vector<Sheet> sheets_;
+  std::size_t selected_ = 0;
+  Pose2 T_cells_map_;  ///< of the selected sheet
+  CellStore* last_tile_ = nullptr;
+  TilePlace last_place_{};
+};
+
+}  // namespace hymm::core
