@@ -32,6 +32,10 @@ void UpdateConfig::describe(ConfigSchema& schema) {
 }
 
 void AssociationConfig::describe(ConfigSchema& schema) {
+  schema.text("method", method,
+              "how observations without identity are paired: all of a scan jointly, or each with "
+              "its nearest landmark",
+              {"joint", "nearest"});
   schema.number("individual_probability", individual_probability, kGateProbability,
                 "chi-square gate of a single observation; its quantile is also what leaving an "
                 "observation out costs");

@@ -28,6 +28,7 @@ struct UpdateConfig {
 
 /// Which observation belongs to which landmark.
 struct AssociationConfig {
+  std::string method = "joint";              ///< or "nearest"
   double individual_probability = 0.99;      ///< chi-square gate of one observation
   double joint_probability = 0.99;           ///< chi-square gate of a whole scan
   double new_landmark_probability = 0.9999;  ///< an observation inside this gate is no new landmark

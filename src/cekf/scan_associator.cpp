@@ -85,7 +85,11 @@ ScanAssociation ScanAssociator::associate(const ObservationSet& set, const Senso
     if (compatible.size() >= 2) ++result.ambiguous;
     candidates.insert(candidates.end(), compatible.begin(), compatible.end());
   }
-  if (!candidates.empty()) chooseJointly(candidates, filter, result);
+  if (config_.method == "nearest") {
+    chooseNearest(candidates, result);
+  } else if (!candidates.empty()) {
+    chooseJointly(candidates, filter, result);
+  }
   return result;
 }
 
@@ -158,6 +162,25 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
     candidates.resize(kMaxCandidates);
   }
   return candidates;
+}
+
+/// Nearest pairs first, each observation and each landmark once: what a filter does that looks at
+/// one observation at a time.
+void ScanAssociator::chooseNearest(const std::vector<Candidate>& candidates,
+                                   ScanAssociation& result) const {
+  std::vector<const Candidate*> ranked;
+  for (const Candidate& candidate : candidates) ranked.push_back(&candidate);
+  const auto cost = [](const Candidate* c) { return c->distance2 + c->pairing.cue_cost; };
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [&](const Candidate* a, const Candidate* b) { return cost(a) < cost(b); });
+  for (const Candidate* candidate : ranked) {
+    int& slot = result.slots[static_cast<std::size_t>(candidate->pairing.observation)];
+    const bool taken = std::find(result.slots.begin(), result.slots.end(),
+                                 candidate->pairing.landmark) != result.slots.end();
+    if (slot != ScanAssociation::kNone || taken) continue;
+    slot = candidate->pairing.landmark;
+    result.measurements.push_back(candidate->measurement);
+  }
 }
 
 void ScanAssociator::chooseJointly(const std::vector<Candidate>& candidates,

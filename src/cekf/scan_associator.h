@@ -54,6 +54,7 @@ class ScanAssociator {
                                              const SensorPlacement& sensor, int observation,
                                              const LandmarkRegistry& registry,
                                              CompressedEkf& filter, ScanAssociation& result) const;
+  void chooseNearest(const std::vector<Candidate>& candidates, ScanAssociation& result) const;
   void chooseJointly(const std::vector<Candidate>& candidates, const CompressedEkf& filter,
                      ScanAssociation& result) const;
 

@@ -44,6 +44,7 @@ void OfflineRun::processReleased(const SensorEvent& event) {
   const std::optional<ScanOutcome> outcome = filter_.process(event);
   if (!outcome) return;
   if (outcome->accepted) {
+    if (log_ != nullptr) log_->add(*outcome);
     supervise(*outcome);
     results_.addScan({outcome->pose, outcome->health, nameOf(mode_)});
   } else {

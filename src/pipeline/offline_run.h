@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cekf/cekf_slam.h"
+#include "pipeline/observation_log.h"
 #include "pipeline/results_writer.h"
 #include "pipeline/sensor_merger.h"
 #include "pipeline/suite_config.h"
@@ -18,6 +19,9 @@ class OfflineRun {
  public:
   /// Throws ConfigError if the configuration is unusable. `results` outlives the run.
   OfflineRun(const SuiteConfig& config, ResultsWriter& results);
+
+  /// Logs each observation as well; `log` outlives the run.
+  void logObservations(ObservationLog& log) { log_ = &log; }
 
   /// Takes an event in the order of the recording; one whose stamp is not finite is refused.
   /// Returns whether another recording began with it.
@@ -47,6 +51,7 @@ class OfflineRun {
 
   SuiteConfig config_;
   ResultsWriter& results_;
+  ObservationLog* log_ = nullptr;
   SensorMerger merger_;
   CekfSlam filter_;
   FilterMode mode_ = FilterMode::kInitialising;

@@ -94,7 +94,9 @@ AckermannInput SimulatedVehicle::reportEncoders(double time_s) const {
       (noise.speed_deviation_mps * speed_noise_.value() +
        noise.speed_deviation_relative * wheel_speed * relative_speed_noise_.value());
   const double steering_error =
-      sensor_.noise_scale * noise.steering_deviation_rad * turn_noise_.value();
+      sensor_.noise_scale *
+      (noise.steering_deviation_rad * turn_noise_.value() +
+       noise.steering_deviation_relative * command_.steering_rad * relative_turn_noise_.value());
   return {time_s, (wheel_speed - speed_error) / calibration_.speed_scale,
           (steering - calibration_.turn_offset - steering_error) / calibration_.turn_scale};
 }

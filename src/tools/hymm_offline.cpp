@@ -1,5 +1,6 @@
 #include <chrono>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct Options {
   std::vector<std::string> configs;
   std::string output;
   std::size_t seed = 0;
+  bool observations = false;
   std::vector<std::string> only;
   std::vector<std::string> topics;
 };
@@ -41,6 +43,8 @@ void describe(CLI::App& app, Options& options) {
   app.add_option("--config", options.configs, "YAML files, in order over the built-in defaults");
   app.add_option("--output", options.output, "folder for the results; made if missing")->required();
   app.add_option("--seed", options.seed, "of all randomness")->capture_default_str();
+  app.add_flag("--observations", options.observations,
+               "also write observations.csv: each observation and its landmark");
   app.add_option("--only", options.only,
                  "subsystems to run, by their nodes' names, comma-separated")
       ->delimiter(',');
@@ -83,10 +87,13 @@ void runOffline(const Options& options) {
   const core::SuiteConfig config = readConfig(options);
   core::ResultsWriter results(options.output);
   core::OfflineRun offline(config, results);
+  std::optional<core::ObservationLog> log;
+  if (options.observations) offline.logObservations(log.emplace(options.output));
   const std::vector<std::string> notes = run(options, config, offline);
   for (const std::string& note : notes) std::cerr << note << '\n';
   if (offline.scans() == 0) throw core::InputError("No scan could be used; nothing was estimated.");
 
+  if (log) log->finish();
   core::RunTotals totals = offline.totals();
   totals.notes = notes;
   totals.seed = options.seed;

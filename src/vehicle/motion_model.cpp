@@ -38,10 +38,12 @@ BodyVelocity MotionModel::velocity(const AckermannInput& input, const Calibratio
   const double L = geometry_.wheelbase_m, H = geometry_.encoder_offset_left_m;
   const double speed_deviation =
       std::hypot(noise_.speed_deviation_mps, noise_.speed_deviation_relative * input.speed_mps);
+  const double steering_deviation = std::hypot(
+      noise_.steering_deviation_rad, noise_.steering_deviation_relative * input.steering_rad);
   const double wheel_speed =
       calibration.speed_scale * input.speed_mps + speed_deviation * error.speed;
   const double steering = calibration.turn_scale * input.steering_rad + calibration.turn_offset +
-                          noise_.steering_deviation_rad * error.turn;
+                          steering_deviation * error.turn;
   double t = std::tan(std::clamp(steering, -1.4, 1.4));
   if (t * H / L > kLargestWheelShare) t = kLargestWheelShare * L / H;
   const double D = 1.0 - t * H / L;
@@ -56,7 +58,7 @@ BodyVelocity MotionModel::velocity(const AckermannInput& input, const Calibratio
       (1.0 + t * t) *
       Eigen::Vector3d(d_forward_by_t, 0.0, (v.forward_mps + t * d_forward_by_t) / L);
   v.J_calibration << input.speed_mps * d_speed, input.steering_rad * d_steering, d_steering;
-  v.J_error << speed_deviation * d_speed, noise_.steering_deviation_rad * d_steering;
+  v.J_error << speed_deviation * d_speed, steering_deviation * d_steering;
   v.white_density(1, 1) =
       densityOf(noise_.lateral_deviation_relative * v.forward_mps, noise_.correlation_time_s);
   return v;

@@ -21,7 +21,9 @@ void MotionNoise::describe(ConfigSchema& schema) {
   schema.number("speed_deviation_relative", speed_deviation_relative, Range::notNegative(),
                 "part of the speed's error that grows with the speed");
   schema.number("steering_deviation_rad", steering_deviation_rad, Range::notNegative(),
-                "error of the steering angle (Ackermann)");
+                "constant part of the steering angle's error (Ackermann)");
+  schema.number("steering_deviation_relative", steering_deviation_relative, Range::notNegative(),
+                "part of the steering angle's error that grows with it (Ackermann)");
   schema.number("yaw_rate_deviation_radps", yaw_rate_deviation_radps, Range::notNegative(),
                 "constant part of the yaw rate's error (twist)");
   schema.number("yaw_rate_deviation_relative", yaw_rate_deviation_relative, Range::notNegative(),

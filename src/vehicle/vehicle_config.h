@@ -32,6 +32,7 @@ struct MotionNoise {
   double speed_deviation_mps = 0.02;
   double speed_deviation_relative = 0.02;     ///< of the speed
   double steering_deviation_rad = 0.01;       ///< Ackermann
+  double steering_deviation_relative = 0.0;   ///< Ackermann, of the steering angle
   double yaw_rate_deviation_radps = 0.01;     ///< twist
   double yaw_rate_deviation_relative = 0.05;  ///< twist, of the yaw rate
   double lateral_deviation_relative = 0.01;   ///< side slip, of the speed

@@ -279,6 +279,7 @@ TEST(Simulation, EncodersHaveTheNoiseThatTheVehicleClaims) {
   VehicleConfig car = simulatedCar();
   car.ackermann.encoder_offset_left_m = 0.0;
   car.noise.lateral_deviation_relative = 0.0;
+  car.noise.steering_deviation_relative = 0.05;
   Simulation simulation(config, car, 11);
   const auto events = all(simulation);
   double speed_sum = 0.0, turn_sum = 0.0, used_s = 0.0;
@@ -297,7 +298,9 @@ TEST(Simulation, EncodersHaveTheNoiseThatTheVehicleClaims) {
     const double deviation =
         std::hypot(car.noise.speed_deviation_mps, car.noise.speed_deviation_relative * speed);
     speed_sum += std::pow((input.speed_mps - speed) / deviation, 2);
-    turn_sum += std::pow((input.steering_rad - steering) / car.noise.steering_deviation_rad, 2);
+    const double steering_deviation = std::hypot(car.noise.steering_deviation_rad,
+                                                 car.noise.steering_deviation_relative * steering);
+    turn_sum += std::pow((input.steering_rad - steering) / steering_deviation, 2);
     ++count;
   }
   ASSERT_GT(count, 200);

@@ -114,6 +114,7 @@ RC_GTEST_PROP(MotionModel, CarriesEncoderErrorsToTheVelocity, ()) {
   VehicleConfig vehicle = utilityCar();
   vehicle.noise.speed_deviation_relative = 0.0;
   vehicle.noise.lateral_deviation_relative = 0.0;
+  vehicle.noise.steering_deviation_relative = 0.05;
   const MotionModel model(vehicle);
   const AckermannInput input = anyAckermannInput();
   const Jacobian J = numericJacobian(
@@ -122,7 +123,8 @@ RC_GTEST_PROP(MotionModel, CarriesEncoderErrorsToTheVelocity, ()) {
       },
       {input.speed_mps, input.steering_rad, 0.0});
   const double speed = vehicle.noise.speed_deviation_mps;
-  const double steering = vehicle.noise.steering_deviation_rad;
+  const double steering =
+      std::hypot(vehicle.noise.steering_deviation_rad, 0.05 * input.steering_rad);
   const Eigen::Vector3d variances(speed * speed, steering * steering, 0.0);
   const Eigen::Matrix3d expected = J * variances.asDiagonal() * J.transpose();
   const Eigen::Matrix3d covariance =

@@ -1,0 +1,72 @@
+#include "cekf/scan_associator.h"
+
+#include <gtest/gtest.h>
+
+#include "cekf/vehicle_state.h"
+
+namespace hymm::core {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Two trees ahead, a metre beside each other, as seen by a vehicle that does not know within some
+/// 0.7 m how far to the side it stands.
+struct TwoTrees {
+  TwoTrees() : filter(Eigen::VectorXd::Zero(5), covariance()) {
+    for (const Vector2d& place : {Vector2d(10.0, 0.0), Vector2d(10.0, 1.0)}) {
+      RegisteredLandmark landmark;
+      landmark.slot =
+          filter.append(place, Eigen::MatrixXd::Zero(2, 5), 1e-4 * Eigen::Matrix2d::Identity());
+      landmark.id = landmark.slot;
+      landmark.type = LandmarkType::kTrunk;
+      landmark.position = place;
+      landmark.deviation_m = 0.02;
+      registry.add(landmark);
+    }
+  }
+
+  static Eigen::MatrixXd covariance() {
+    Eigen::VectorXd variances(5);
+    variances << 1e-6, 0.5, 1e-8, 1e-6, 1e-6;
+    return variances.asDiagonal();
+  }
+
+  /// Slots of both trees, seen from `left_m` farther right than the filter believes.
+  std::vector<int> associate(const std::string& method, double left_m) {
+    ObservationSet set;
+    for (const double y : {0.0, 1.0}) {
+      Observation observation;
+      observation.range_m = std::hypot(10.0, y + left_m);
+      observation.bearing_rad = std::atan2(y + left_m, 10.0);
+      observation.covariance = Vector2d(1e-3, 1e-5).asDiagonal();
+      observation.type = LandmarkType::kTrunk;
+      set.observations.push_back(observation);
+    }
+    AssociationConfig config;
+    config.method = method;
+    return ScanAssociator(config).associate(set, SensorPlacement{}, registry, filter).slots;
+  }
+
+  CompressedEkf filter;
+  LandmarkRegistry registry;
+};
+
+TEST(ScanAssociator, PairsWhatIsNearByEitherMethod) {
+  for (const char* method : {"joint", "nearest"}) {
+    EXPECT_EQ(TwoTrees().associate(method, 0.1), std::vector<int>({0, 1})) << method;
+  }
+}
+
+TEST(ScanAssociator, SeesThatAllObservationsAreOffInTheSameWay) {
+  // The first observation is nearer to the second tree than to its own.
+  EXPECT_EQ(TwoTrees().associate("joint", 0.8), std::vector<int>({0, 1}));
+}
+
+TEST(ScanAssociator, TakesTheNearestOfEachWhenAsked) {
+  const std::vector<int> slots = TwoTrees().associate("nearest", 0.8);
+  EXPECT_EQ(slots[0], 1);
+  EXPECT_NE(slots[1], 1);
+}
+
+}  // namespace
+}  // namespace hymm::core
