@@ -7,7 +7,10 @@ namespace hymm {
 int runNode(int argc, char** argv, const char* name, const std::function<void()>& body) {
   try {
     ros::init(argc, argv, name);
+    // Else the end of the body's last node handle would end the log, before its error is told.
+    ros::start();
     body();
+    ros::shutdown();
     return 0;
   } catch (const core::ConfigError& error) {
     for (const std::string& problem : error.problems()) ROS_FATAL_STREAM(problem);
