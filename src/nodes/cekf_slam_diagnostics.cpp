@@ -43,7 +43,7 @@ void CekfSlamNode::diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& s
 void CekfSlamNode::diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   const std::lock_guard<std::mutex> lock(mutex_);
-  const core::CekfSlam::Counts& counts = filter_.counts();
+  const core::CekfSlam::Counts counts = filter_.counts();
   status.summary(DiagnosticStatus::OK, std::to_string(filter_.landmarkCount()) + " landmarks");
   if (counts.scans == 0) status.mergeSummary(DiagnosticStatus::WARN, "No scan has been used");
   status.add("scans used", counts.scans);
@@ -61,6 +61,17 @@ void CekfSlamNode::diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& s
   status.add("landmarks dropped", counts.landmarks_dropped);
   status.add("landmarks merged", counts.landmarks_merged);
   status.add("area switches", counts.area_switches);
+  status.add("global updates", counts.global_updates);
+  status.add("global updates deferred", counts.deferred_global_updates);
+  status.add("global update pending", filter_.isGlobalUpdatePending() ? 1 : 0);
+  status.add("scans that waited for a global update", counts.global_update_waits);
+  const double worker_ms = 1e3 * filter_.cpuTimes().worker_s;
+  status.add("worker CPU a scan [ms]",
+             counts.scans > 0 ? worker_ms / static_cast<double>(counts.scans) : 0.0);
+  if (counts.global_update_waits > 0) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "Scans waited for global updates: the machine is too slow for this map");
+  }
   status.add("map corrections", counts.map_corrections);
   status.add("resets", counts.resets);
   status.add("latency, worst of the last second [ms]", worst_latency_ms_);

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <future>
+#include <memory>
 
+#include "ros/joint_covariance.h"
 #include "ros/steady_time.h"
 
 namespace hymm {
@@ -29,7 +32,8 @@ std::string causeOf(const std::string& reason) {
 
 CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
                            const core::VehicleDescription& vehicle)
-    : tf_listener_(tf_),
+    : map_frame_(vehicle.config.map_frame),
+      tf_listener_(tf_),
       filter_(config, vehicle.config, core::CekfSlam::GlobalUpdates::kBackground),
       merger_(config.merger),
       reader_(
@@ -41,6 +45,8 @@ CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
               causes_) {
   pause_service_ = handle_.advertiseService("pause", &CekfSlamNode::pause, this);
   reset_service_ = handle_.advertiseService("reset", &CekfSlamNode::reset, this);
+  joint_covariance_service_ = advertisePatiently();
+  patient_spinner_.start();
   diagnostics_.setHardwareID("none");
   diagnostics_.add("inputs", this, &CekfSlamNode::diagnoseInputs);
   diagnostics_.add("filter", this, &CekfSlamNode::diagnoseFilter);
@@ -52,6 +58,7 @@ CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
 }
 
 CekfSlamNode::~CekfSlamNode() {
+  patient_spinner_.stop();
   working_ = false;
   worker_.join();
 }
@@ -98,6 +105,7 @@ void CekfSlamNode::process(const core::SensorEvent& event) {
   const std::optional<core::ScanOutcome> outcome = filter_.process(event);
   if (std::holds_alternative<core::ClockReset>(event)) {
     ROS_WARN("The time stamps ran back: another recording begins, with a new, empty map.");
+    tf_.clear();  // it would refuse whatever is older than what it knows; static frames stay
     forgetRecording();
   } else if (outcome && outcome->accepted) {
     finish(*outcome);
@@ -143,6 +151,28 @@ bool CekfSlamNode::reset(Reset::Request&, Reset::Response& response) {
   response.message = "Forgot " + std::to_string(landmarks) +
                      " landmarks; the map begins where the vehicle stands now.";
   ROS_INFO_STREAM(response.message);
+  return true;
+}
+
+ros::ServiceServer CekfSlamNode::advertisePatiently() {
+  ros::NodeHandle handle(handle_);
+  handle.setCallbackQueue(&patient_calls_);
+  return handle.advertiseService("get_joint_covariance", &CekfSlamNode::getJointCovariance, this);
+}
+
+bool CekfSlamNode::getJointCovariance(GetJointCovariance::Request& request,
+                                      GetJointCovariance::Response& response) {
+  const auto answer = std::make_shared<std::promise<core::JointLandmarks>>();
+  std::future<core::JointLandmarks> joint = answer->get_future();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    response.message = problemOf(request, [this](int id) { return filter_.hasLandmark(id); });
+    if (!response.message.empty()) return true;
+    filter_.requestJointLandmarks(request.ids, [answer](core::JointLandmarks landmarks) {
+      answer->set_value(std::move(landmarks));
+    });
+  }
+  response = toMessage(joint.get(), map_frame_);  // scans go on meanwhile
   return true;
 }
 

@@ -5,9 +5,12 @@
 #include <thread>
 
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <hymm/GetJointCovariance.h>
 #include <hymm/Pause.h>
 #include <hymm/Reset.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
+#include <ros/spinner.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
@@ -24,7 +27,8 @@
 namespace hymm {
 
 /// The node `cekf_slam`: one thread receives messages and answers services, another merges them by
-/// stamp, feeds the filter and publishes. Results depend on stamps, never on when messages arrive.
+/// stamp, feeds the filter and publishes; a third answers what takes its time. Results depend on
+/// stamps, never on when messages arrive.
 class CekfSlamNode {
  public:
   /// Throws ConfigError if the parameters are unusable.
@@ -42,10 +46,14 @@ class CekfSlamNode {
 
   bool pause(Pause::Request& request, Pause::Response& response);
   bool reset(Reset::Request& request, Reset::Response& response);
+  ros::ServiceServer advertisePatiently();
+  bool getJointCovariance(GetJointCovariance::Request& request,
+                          GetJointCovariance::Response& response);
   void diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle handle_;
+  std::string map_frame_;
   CauseLog causes_;
   tf2_ros::Buffer tf_;
   tf2_ros::TransformListener tf_listener_;
@@ -66,6 +74,9 @@ class CekfSlamNode {
   SensorQueue queue_;
   SensorInputs inputs_;
   ros::ServiceServer pause_service_, reset_service_;
+  ros::CallbackQueue patient_calls_;  ///< services that may wait long, apart from the messages
+  ros::ServiceServer joint_covariance_service_;
+  ros::AsyncSpinner patient_spinner_{1, &patient_calls_};
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer diagnostics_timer_;
   std::atomic<bool> working_{true};

@@ -144,7 +144,8 @@ core::RunTotals RecorderNode::totals() const {
   totals.cpu_s = last_health_->process_cpu_s;
   totals.peak_rss_mb = last_health_->peak_rss_mb;
   totals.subsystem_cpu_s = {{"perception", last_health_->perception_cpu_s},
-                            {"filter", last_health_->filter_cpu_s}};
+                            {"filter", last_health_->filter_cpu_s},
+                            {"worker", last_health_->worker_cpu_s}};
   totals.addOtherCpu();
   totals.dropped_scans =
       static_cast<std::size_t>(last_health_->dropped_scans + last_health_->refused_scans);
@@ -152,6 +153,9 @@ core::RunTotals RecorderNode::totals() const {
   totals.associated = static_cast<std::size_t>(last_health_->associated);
   totals.rejected = static_cast<std::size_t>(last_health_->rejected);
   totals.map_corrections = static_cast<std::size_t>(last_health_->map_corrections);
+  totals.global_updates = static_cast<std::size_t>(last_health_->global_updates);
+  totals.deferred_global_updates = static_cast<std::size_t>(last_health_->deferred_global_updates);
+  totals.global_update_waits = static_cast<std::size_t>(last_health_->global_update_waits);
   return totals;
 }
 

@@ -87,6 +87,9 @@ RunTotals OfflineRun::totals() const {
   totals.associated = counts.associated;
   totals.rejected = counts.rejected;
   totals.map_corrections = counts.map_corrections;
+  totals.global_updates = counts.global_updates;
+  totals.deferred_global_updates = counts.deferred_global_updates;
+  totals.global_update_waits = counts.global_update_waits;
   totals.gps_antenna_m =
       Eigen::Vector2d(config_.vehicle.gps_antenna.x_m, config_.vehicle.gps_antenna.y_m);
   return totals;

@@ -51,6 +51,13 @@ std::string typeName(LandmarkType type) {
   return "unknown";
 }
 
+/// CPU of the worker behind the filter for each scan; nothing where that is not known.
+std::optional<double> workerMilliseconds(const RunTotals& totals, std::size_t scans) {
+  const auto worker = totals.subsystem_cpu_s.find("worker");
+  if (worker == totals.subsystem_cpu_s.end() || scans == 0) return std::nullopt;
+  return 1e3 * worker->second / static_cast<double>(scans);
+}
+
 JsonObject latencyJson(const LatencyHistogram& latency) {
   JsonObject json;
   json.add("p50", latency.quantile(0.5)).add("p95", latency.quantile(0.95));
@@ -187,6 +194,10 @@ std::string ResultsWriter::summaryText(const LandmarkMap& map, const RunTotals& 
   json.add("observations", totals.observations).add("associated", totals.associated);
   json.add("rejected", totals.rejected);
   json.add("scan_latency_ms", latencyJson(latency_)).add("subsystem_cpu_s", cpu);
+  json.add("worker_ms", workerMilliseconds(totals, scans_));
+  json.add("global_updates", totals.global_updates);
+  json.add("deferred_global_updates", totals.deferred_global_updates);
+  json.add("global_update_waits", totals.global_update_waits);
   json.add("nis_mean", dof_ > 0 ? std::optional(nis_ / static_cast<double>(dof_)) : std::nullopt);
   json.add("gps_rmse_m", gps_alignment_.rmse());
   json.add("map_corrections", totals.map_corrections).add("mode_switches", mode_switches_);

@@ -34,6 +34,9 @@ struct RunTotals {
   std::size_t associated = 0;
   std::size_t rejected = 0;
   std::size_t map_corrections = 0;
+  std::size_t global_updates = 0;
+  std::size_t deferred_global_updates = 0;
+  std::size_t global_update_waits = 0;
   std::optional<Eigen::Vector2d> gps_antenna_m;  ///< place in base_link, for hymm_evaluate
   std::size_t seed = 0;
   std::vector<std::string> notes;  ///< sentences about the input that whoever reads should know
@@ -48,8 +51,8 @@ struct RunTotals {
 /// memory does not grow with the run and the files fit each other however the run ends. Numbers are
 /// written with the fewest digits that give the same double back, whatever the locale. Times that
 /// the machine took stand only in latency_ms of health.csv and in wall_s, cpu_s, real_time_factor,
-/// peak_rss_mb, scan_latency_ms and subsystem_cpu_s of summary.json: everything else is a function
-/// of the input.
+/// peak_rss_mb, scan_latency_ms, worker_ms and subsystem_cpu_s of summary.json: everything else is
+/// a function of the input.
 class ResultsWriter {
  public:
   /// Makes the folder and opens its files; an earlier summary.json is removed, so that the folder

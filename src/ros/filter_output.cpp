@@ -59,8 +59,7 @@ void FilterOutput::publishMapIfChanged(core::CekfSlam& filter) {
 
 void FilterOutput::reset(core::CekfSlam& filter) { publishMap(filter); }
 
-FilterHealth FilterOutput::healthMessage(const core::CekfSlam& filter,
-                                         const core::ScanOutcome& outcome,
+FilterHealth FilterOutput::healthMessage(core::CekfSlam& filter, const core::ScanOutcome& outcome,
                                          std::size_t dropped_scans) {
   FilterHealth message = toMessage(outcome.health, map_frame_);
   const auto counts = filter.counts();
@@ -76,8 +75,14 @@ FilterHealth FilterOutput::healthMessage(const core::CekfSlam& filter,
   message.map_corrections = counts.map_corrections;
   message.resets = counts.resets;
   message.landmarks = static_cast<std::uint32_t>(filter.landmarkCount());
-  message.perception_cpu_s = filter.cpuTimes().perception_s;
-  message.filter_cpu_s = filter.cpuTimes().filter_s;
+  message.global_updates = counts.global_updates;
+  message.deferred_global_updates = counts.deferred_global_updates;
+  message.global_update_waits = counts.global_update_waits;
+  message.global_update_pending = filter.isGlobalUpdatePending();
+  const core::CekfSlam::CpuTimes cpu = filter.cpuTimes();
+  message.perception_cpu_s = cpu.perception_s;
+  message.filter_cpu_s = cpu.filter_s;
+  message.worker_cpu_s = cpu.worker_s;
   const ProcessUsage usage = processUsage();
   message.process_cpu_s = usage.cpu_s;
   message.peak_rss_mb = usage.peak_rss_mb;

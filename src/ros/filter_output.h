@@ -30,7 +30,7 @@ class FilterOutput {
   void reset(core::CekfSlam& filter);
 
  private:
-  FilterHealth healthMessage(const core::CekfSlam& filter, const core::ScanOutcome& outcome,
+  FilterHealth healthMessage(core::CekfSlam& filter, const core::ScanOutcome& outcome,
                              std::size_t dropped_scans);
   bool mapIsDue(double time_s, bool large_correction) const;
   void publishMap(core::CekfSlam& filter);

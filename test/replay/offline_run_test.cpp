@@ -62,7 +62,7 @@ std::string withoutLatency(const std::string& health) {
 
 std::string withoutTimes(YAML::Node summary) {
   for (const char* key : {"wall_s", "cpu_s", "real_time_factor", "peak_rss_mb", "scan_latency_ms",
-                          "subsystem_cpu_s"}) {
+                          "worker_ms", "subsystem_cpu_s"}) {
     EXPECT_TRUE(summary[key]) << key;
     summary.remove(key);
   }

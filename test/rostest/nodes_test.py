@@ -16,7 +16,7 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
 from hymm.msg import DeadReckoning, FilterPose, LandmarkMap
-from hymm.srv import Pause, Reset
+from hymm.srv import GetJointCovariance, Pause, Reset
 from nav_msgs.msg import Path as RosPath
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
@@ -26,6 +26,20 @@ BEAMS = 361
 
 def command(node, *arguments):
     return ["rosrun", "hymm", node, *arguments]
+
+
+def planar(position, rotation):
+    return position.x, position.y, 2.0 * math.atan2(rotation.z, rotation.w)
+
+
+def planar_transform(message):
+    return planar(message.transform.translation, message.transform.rotation)
+
+
+def compose(a, b):
+    """Of planar transforms (x, y, yaw)."""
+    c, s = math.cos(a[2]), math.sin(a[2])
+    return a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]
 
 
 class Robot:
@@ -87,9 +101,9 @@ class NodesTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("nodes_test")
-        cls.poses, cls.maps, cls.paths, cls.map_odom_walls = [], [], [], []
+        cls.poses, cls.maps, cls.paths = [], [], []
+        cls.map_odom, cls.odom_base = [], {}  # (wall time, (x, y, yaw)); (x, y, yaw) by stamp
         cls.status, cls.messages, cls.owners = {}, {}, set()
-        cls.map_odom_x, cls.odom_x = [], {}
         rospy.Subscriber("landmarks", LandmarkMap, cls.maps.append)
         rospy.Subscriber("trajectory", RosPath, cls.paths.append)
         rospy.Subscriber("cekf/pose", FilterPose, cls.poses.append)
@@ -108,10 +122,9 @@ class NodesTest(unittest.TestCase):
         for transform in message.transforms:
             if transform.child_frame_id == "odom":
                 cls.owners.add(message._connection_header["callerid"])
-                cls.map_odom_walls.append(time.time())
-                cls.map_odom_x.append(transform.transform.translation.x)
+                cls.map_odom.append((time.time(), planar_transform(transform)))
             elif transform.child_frame_id == "base_link":
-                cls.odom_x[transform.header.stamp] = transform.transform.translation.x
+                cls.odom_base[transform.header.stamp] = planar_transform(transform)
 
     def wait_for(self, condition, what):
         deadline = time.time() + 10.0
@@ -196,7 +209,7 @@ class NodesTest(unittest.TestCase):
         """No gap in map -> odom while `during` is done."""
         begin = time.time()
         during()
-        stamps = [begin] + [t for t in self.map_odom_walls if t > begin] + [time.time()]
+        stamps = [begin] + [t for t, _ in self.map_odom if t > begin] + [time.time()]
         self.assertGreater(len(stamps), 5)
         self.assertLess(max(b - a for a, b in zip(stamps, stamps[1:])), 0.5)
 
@@ -215,18 +228,45 @@ class NodesTest(unittest.TestCase):
 
         self.expect_map_odom_goes_on(drive_paused)
         self.assertEqual(len(self.poses), poses)
-        self.assertGreaterEqual(int(self.status["cekf_slam: inputs"]["paused"]), 20)
+        self.wait_for(lambda: self.count("cekf_slam: inputs", "paused") >= 20, "20 messages dropped")
         self.call("pause", Pause, pause=False)
         self.robot.drive_with(self.robot.scan())
         self.wait_for(lambda: len(self.poses) > poses, "a pose after the pause")
 
-    def test_reset_begins_a_new_map_where_the_vehicle_stands(self):
+    def drive_among_poles(self):
+        """From the origin of a new map."""
+        self.call("reset", Reset)
+        self.wait_for(lambda: self.maps and not self.maps[-1].landmarks, "an empty map")
         begin_s = self.robot.time_s
         for _ in range(20):
             driven = self.robot.time_s - begin_s  # at 1 m/s
             poles = [(12.0 - driven, 5.0), (15.0 - driven, -6.0), (20.0 - driven, 4.0)]
             self.robot.drive_with(self.robot.scan(poles=poles))
         self.wait_for(lambda: self.poses and self.maps and self.maps[-1].landmarks, "landmarks")
+
+    def test_joint_covariance_of_landmarks(self):
+        self.drive_among_poles()
+        time.sleep(1.5)  # silence: the last map is sent
+        landmarks = self.maps[-1].landmarks
+        rospy.wait_for_service("get_joint_covariance", timeout=10)
+        ask = rospy.ServiceProxy("get_joint_covariance", GetJointCovariance)
+        ids = [landmark.id for landmark in reversed(landmarks)]
+        answer = ask(ids=ids)
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(answer.header.frame_id, "map")
+        self.assertEqual(answer.version, self.maps[-1].version)
+        size = 2 * len(ids)
+        self.assertEqual((len(answer.mean), len(answer.covariance)), (size, size * size))
+        for i, landmark in enumerate(reversed(landmarks)):
+            self.assertAlmostEqual(answer.mean[2 * i], landmark.position.x, places=9)
+            self.assertAlmostEqual(answer.covariance[2 * i * size + 2 * i], landmark.covariance[0],
+                                   places=12)
+        refused = ask(ids=[ids[0], 987654])
+        self.assertFalse(refused.success)
+        self.assertIn("987654", refused.message)
+
+    def test_reset_begins_a_new_map_where_the_vehicle_stands(self):
+        self.drive_among_poles()
         self.wait_for(lambda: self.poses[-1].pose.pose.position.x > 1.5, "a way driven")
         version, poses = self.maps[-1].version, len(self.poses)
 
@@ -245,11 +285,17 @@ class NodesTest(unittest.TestCase):
     def test_map_odom_carries_the_odometry_to_the_pose(self):
         for _ in range(5):
             self.robot.drive_with(self.robot.scan())
-        self.wait_for(lambda: self.poses and self.odom_x.get(self.poses[-1].header.stamp) and
-                      self.map_odom_x and abs(
-                          self.map_odom_x[-1] + self.odom_x[self.poses[-1].header.stamp] -
-                          self.poses[-1].pose.pose.position.x) < 1e-6,
-                      "map -> odom that fits the pose")
+
+        def fits():
+            pose = self.poses[-1]
+            odom = self.odom_base.get(pose.header.stamp)
+            if not odom or not self.map_odom:
+                return False
+            expected = planar(pose.pose.pose.position, pose.pose.pose.orientation)
+            found = compose(self.map_odom[-1][1], odom)
+            return all(abs(a - b) < 1e-6 for a, b in zip(found, expected))
+
+        self.wait_for(fits, "map -> odom that fits the pose")
 
     def test_zz_a_second_owner_of_map_odom_is_named(self):
         other = rospy.Publisher("/tf", TFMessage, queue_size=10)
@@ -260,7 +306,7 @@ class NodesTest(unittest.TestCase):
         def is_named():
             transform.header.stamp = rospy.Time.now()
             other.publish(TFMessage([transform]))
-            return "nodes_test publishes map -> odom" in self.messages["supervisor: supervisor"]
+            return rospy.get_name() + " publishes map -> odom" in self.messages["supervisor: supervisor"]
 
         self.wait_for(is_named, "the second owner in /diagnostics")
 

@@ -54,7 +54,7 @@ RunTotals totals() {
   totals.observations = 20;
   totals.associated = 8;
   totals.rejected = 4;
-  totals.subsystem_cpu_s = {{"filter", 0.1}};
+  totals.subsystem_cpu_s = {{"filter", 0.1}, {"worker", 0.02}};
   return totals;
 }
 
@@ -83,10 +83,28 @@ TEST(ResultsWriter, SummaryHoldsEveryKeyOfTheContract) {
   for (int i = 0; i < 4; ++i) writer.addScan(scanAt(i, i));
   writer.finish(oneLandmark(), totals());
   const YAML::Node summary = YAML::Load(folder.read("summary.json"));
-  for (const char* key :
-       {"scans", "duration_s", "wall_s", "cpu_s", "real_time_factor", "peak_rss_mb", "landmarks",
-        "ltrs", "observations", "associated", "rejected", "scan_latency_ms", "subsystem_cpu_s",
-        "nis_mean", "gps_rmse_m", "map_corrections", "mode_switches", "dropped_scans"}) {
+  for (const char* key : {"scans",
+                          "duration_s",
+                          "wall_s",
+                          "cpu_s",
+                          "real_time_factor",
+                          "peak_rss_mb",
+                          "landmarks",
+                          "ltrs",
+                          "observations",
+                          "associated",
+                          "rejected",
+                          "scan_latency_ms",
+                          "subsystem_cpu_s",
+                          "worker_ms",
+                          "global_updates",
+                          "deferred_global_updates",
+                          "global_update_waits",
+                          "nis_mean",
+                          "gps_rmse_m",
+                          "map_corrections",
+                          "mode_switches",
+                          "dropped_scans"}) {
     EXPECT_TRUE(summary[key]) << key;
   }
   for (const char* key : {"p50", "p95", "p99", "p999", "max"}) {
@@ -98,6 +116,7 @@ TEST(ResultsWriter, SummaryHoldsEveryKeyOfTheContract) {
   EXPECT_EQ(summary["observations"].as<int>(), 20);
   EXPECT_EQ(summary["associated"].as<int>(), 8);
   EXPECT_EQ(summary["rejected"].as<int>(), 4);
+  EXPECT_EQ(summary["worker_ms"].as<double>(), 5.0);
   EXPECT_EQ(summary["nis_mean"].as<double>(), 0.75);
   EXPECT_EQ(summary["landmarks"].as<int>(), 1);
   EXPECT_TRUE(summary["gps_rmse_m"].IsNull());

@@ -2,13 +2,17 @@
 
 #include <cmath>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "ros/filter_conversions.h"
+#include "ros/joint_covariance.h"
 #include "ros/time_conversions.h"
 
 namespace hymm {
 namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
 
 core::LandmarkEstimate landmark(int id) {
   core::LandmarkEstimate landmark;
@@ -53,6 +57,42 @@ TEST(MapConversions, LandmarkMapSurvivesTheWayThroughAMessage) {
   EXPECT_EQ(back.merges[0].into_id, 3);
   ASSERT_EQ(back.cross_covariances.size(), 1U);
   EXPECT_EQ(back.cross_covariances[0].block, block);
+}
+
+GetJointCovariance::Request requestFor(const std::vector<int>& ids) {
+  GetJointCovariance::Request request;
+  request.ids.assign(ids.begin(), ids.end());
+  return request;
+}
+
+TEST(JointCovariance, MatrixIsWrittenRowByRow) {
+  core::JointLandmarks joint;
+  joint.version = 5;
+  joint.time_s = 2.5;
+  joint.ids = {7, 3};
+  joint.mean = Eigen::Vector4d(1.0, 2.0, 3.0, 4.0);
+  joint.covariance.resize(4, 4);
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) joint.covariance(row, column) = 10 * row + column;
+  }
+  const GetJointCovariance::Response response = toMessage(joint, "map");
+  EXPECT_TRUE(response.success);
+  EXPECT_EQ(response.version, 5U);
+  EXPECT_EQ(response.header.frame_id, "map");
+  EXPECT_EQ(response.header.stamp, ros::Time(2.5));
+  EXPECT_THAT(response.mean, ElementsAre(1.0, 2.0, 3.0, 4.0));
+  EXPECT_THAT(response.covariance,
+              ElementsAre(0, 1, 2, 3, 10, 11, 12, 13, 20, 21, 22, 23, 30, 31, 32, 33));
+}
+
+TEST(JointCovariance, NamesWhatCannotBeAnswered) {
+  const auto below_ten = [](int id) { return id >= 0 && id < 10; };
+  EXPECT_EQ(problemOf(requestFor({3, 7}), below_ten), "");
+  EXPECT_THAT(problemOf(requestFor({3, 12, -1, 7}), below_ten), HasSubstr("no landmark -1, 12 "));
+  EXPECT_THAT(problemOf(requestFor({3, 7, 3}), below_ten), HasSubstr("more than once: 3;"));
+  EXPECT_THAT(problemOf(requestFor({}), below_ten), HasSubstr("at least one"));
+  EXPECT_THAT(problemOf(requestFor(std::vector<int>(1001, 3)), below_ten),
+              HasSubstr("at most 1000"));
 }
 
 TEST(FilterConversions, PoseKeepsPlaceAndCovariance) {
