@@ -63,8 +63,8 @@ class BatchSolution:
     observations.csv, associated ones only. `noise`: deviations with the names of the vehicle's
     configuration."""
 
-    def __init__(self, motion, trajectory, observations, noise, calibration=USUAL):
-        self.noise, self.names = noise, list(calibration)
+    def __init__(self, motion, trajectory, observations, noise, calibration=USUAL, robust=True):
+        self.noise, self.names, self.robust = noise, list(calibration), robust
         self.times, self.poses = trajectory[:, 0], trajectory[:, 1:4].copy()
         self.poses[:, 2] = np.unwrap(self.poses[:, 2])
         self.start = self.poses[0].copy()
@@ -194,7 +194,7 @@ class BatchSolution:
                             cal["laser_yaw_rad"])
         self.range_residual, self.bearing_residual = e_range, e_bearing
         cost = (e_range / self.range_deviation) ** 2 + (e_bearing / self.bearing_deviation) ** 2
-        weight = 1.0 / np.sqrt(1.0 + cost / CAUCHY)
+        weight = 1.0 / np.sqrt(1.0 + cost / CAUCHY) if self.robust else np.ones(len(n))
         along, across = d / distance[:, None], np.c_[-d[:, 1], d[:, 0]] / distance[:, None] ** 2
         left = np.c_[-lever[:, 1], lever[:, 0]]
         nothing, one = np.zeros(len(n)), np.ones(len(n))
@@ -253,6 +253,11 @@ class BatchSolution:
         squared = (self.range_residual / self.range_deviation) ** 2 + \
             (self.bearing_residual / self.bearing_deviation) ** 2
         return float((residuals[others] ** 2).sum() + CAUCHY * np.log1p(squared / CAUCHY).sum())
+
+    def gross_errors(self):
+        """Which observations are off by more than four deviations."""
+        return (np.abs(self.range_residual) > 4.0 * self.range_deviation) | \
+            (np.abs(self.bearing_residual) > 4.0 * self.bearing_deviation)
 
     def variance_components(self, groups, probes=8):
         """Squared residuals over degrees of freedom, for groups of rows: 1 where the noise is what it

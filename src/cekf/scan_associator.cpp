@@ -173,13 +173,20 @@ void ScanAssociator::chooseNearest(const std::vector<Candidate>& candidates,
   const auto cost = [](const Candidate* c) { return c->distance2 + c->pairing.cue_cost; };
   std::stable_sort(ranked.begin(), ranked.end(),
                    [&](const Candidate* a, const Candidate* b) { return cost(a) < cost(b); });
+  std::vector<const Candidate*> chosen(result.slots.size(), nullptr);
   for (const Candidate* candidate : ranked) {
+    const Candidate*& own = chosen[static_cast<std::size_t>(candidate->pairing.observation)];
     int& slot = result.slots[static_cast<std::size_t>(candidate->pairing.observation)];
     const bool taken = std::find(result.slots.begin(), result.slots.end(),
                                  candidate->pairing.landmark) != result.slots.end();
     if (slot != ScanAssociation::kNone || taken) continue;
     slot = candidate->pairing.landmark;
+    own = candidate;
+  }
+  for (const Candidate* candidate : chosen) {
+    if (candidate == nullptr) continue;
     result.measurements.push_back(candidate->measurement);
+    result.measured.push_back(static_cast<std::size_t>(candidate->pairing.observation));
   }
 }
 

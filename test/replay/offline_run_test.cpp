@@ -102,6 +102,15 @@ TEST_F(Offline, EveryScanHasItsLineAndTheMapItsTrunks) {
   EXPECT_EQ(tool.out, "");
 }
 
+TEST_F(Offline, LogsEachObservationOnDemand) {
+  const std::string bag = test::writeDriveBag(folder_ / "a.bag", {});
+  ASSERT_EQ(run(bag, "results", "--observations").exit_code, 0);
+  EXPECT_EQ(lines("results/observations.csv"),
+            1 + summary("results")["observations"].as<std::size_t>());
+  EXPECT_THAT(folder_.read("results/observations.csv"),
+              testing::StartsWith("t,landmark,range,bearing,"));
+}
+
 TEST_F(Offline, TopicsMayLackTheirSlashOrBeNamedOtherwise) {
   test::Drive bare;
   bare.scan_topic = "scan";

@@ -31,8 +31,8 @@ struct TwoTrees {
     return variances.asDiagonal();
   }
 
-  /// Slots of both trees, seen from `left_m` farther right than the filter believes.
-  std::vector<int> associate(const std::string& method, double left_m) {
+  /// Both trees, seen from `left_m` farther right than the filter believes.
+  ScanAssociation associate(const std::string& method, double left_m) {
     ObservationSet set;
     for (const double y : {0.0, 1.0}) {
       Observation observation;
@@ -44,7 +44,7 @@ struct TwoTrees {
     }
     AssociationConfig config;
     config.method = method;
-    return ScanAssociator(config).associate(set, SensorPlacement{}, registry, filter).slots;
+    return ScanAssociator(config).associate(set, SensorPlacement{}, registry, filter);
   }
 
   CompressedEkf filter;
@@ -53,17 +53,26 @@ struct TwoTrees {
 
 TEST(ScanAssociator, PairsWhatIsNearByEitherMethod) {
   for (const char* method : {"joint", "nearest"}) {
-    EXPECT_EQ(TwoTrees().associate(method, 0.1), std::vector<int>({0, 1})) << method;
+    EXPECT_EQ(TwoTrees().associate(method, 0.1).slots, std::vector<int>({0, 1})) << method;
+  }
+}
+
+TEST(ScanAssociator, TellsWhichObservationEachMeasurementIsOf) {
+  for (const char* method : {"joint", "nearest"}) {
+    const ScanAssociation found = TwoTrees().associate(method, 0.1);
+    ASSERT_EQ(found.measurements.size(), 2U) << method;
+    EXPECT_EQ(found.measured, std::vector<std::size_t>({0, 1})) << method;
+    EXPECT_EQ(found.measurements[1].landmarks[0], 1) << method;
   }
 }
 
 TEST(ScanAssociator, SeesThatAllObservationsAreOffInTheSameWay) {
   // The first observation is nearer to the second tree than to its own.
-  EXPECT_EQ(TwoTrees().associate("joint", 0.8), std::vector<int>({0, 1}));
+  EXPECT_EQ(TwoTrees().associate("joint", 0.8).slots, std::vector<int>({0, 1}));
 }
 
 TEST(ScanAssociator, TakesTheNearestOfEachWhenAsked) {
-  const std::vector<int> slots = TwoTrees().associate("nearest", 0.8);
+  const std::vector<int> slots = TwoTrees().associate("nearest", 0.8).slots;
   EXPECT_EQ(slots[0], 1);
   EXPECT_NE(slots[1], 1);
 }
