@@ -32,10 +32,8 @@ void printHelp() {
       "Options of its own:\n"
       "  --scans=NUMBER        scans that BM_ScanCompressedEkf drives (default 700: over 20 area\n"
       "                        switches); BM_ScanFullEkf drives as many of them as bearable\n"
-      "  --live_speed=FACTOR   pace of the scans, as a multiple of 4.67 Hz (default 2), 0: no"
-      " pause\n"
-      "  --perf_control=FIFO   tells `perf record --control fifo:FIFO --delay -1` when the drive "
-      "of\n"
+      "  --live_speed=FACTOR   pace of the scans, times 4.67 Hz (default 2); 0: no pause\n"
+      "  --perf_control=FIFO   tells `perf record --control fifo:FIFO -D -1` when the drive of\n"
       "                        BM_ScanCompressedEkf begins and ends\n"
       "\n"
       "Options of Google Benchmark:");
