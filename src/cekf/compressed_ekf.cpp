@@ -210,8 +210,9 @@ std::optional<CompressedEkf::Linearised> CompressedEkf::linearise(
     }
     result.L.block<2, 2>(k, k) += row.noise;
   }
-  const bool finite = innovations.allFinite() && result.L.diagonal().allFinite();
   const Eigen::LLT<Eigen::Ref<MatrixXd>, Eigen::Lower> llt(result.L);
+  // The factorisation itself takes no notice of NaN, which then stands on the diagonal.
+  const bool finite = innovations.allFinite() && result.L.diagonal().allFinite();
   if (!finite || llt.info() != Eigen::Success) return std::nullopt;
   result.whitened = llt.matrixL().solve(innovations);
   return result;
