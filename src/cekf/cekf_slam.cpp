@@ -331,6 +331,7 @@ class CekfSlam::Impl {
       }
       outcome.associations.push_back(result);
     }
+    counts_.bounded_associations += association.complete ? 0U : 1U;
     counts_.observations += association.slots.size();
     counts_.associated += static_cast<std::size_t>(associated);
     outcome.health.ambiguity = share(association.ambiguous, n);

@@ -36,6 +36,7 @@ class Search {
 
   JointHypothesis run() {
     best_cost_ = limits_.unpaired_cost * static_cast<double>(order_.size());
+    chooseGreedily();
     descend(0, 0.0, 0.0);
     return best_;
   }
@@ -51,17 +52,45 @@ class Search {
     });
   }
 
+  /// A first hypothesis: each observation takes what adds least, as long as all stays compatible.
+  /// It prunes the search, and is there if the search reaches its bound before it has any.
+  void chooseGreedily() {
+    double mahalanobis2 = 0.0, other_cost = 0.0;
+    for (const std::size_t observation : order_) {
+      const auto ranked = rankedCandidates(observation);
+      const double gate = compatibility_.gate(static_cast<int>(chosen_.size()) + 1);
+      const bool takes = !ranked.empty() && ranked.front().first < limits_.unpaired_cost &&
+                         mahalanobis2 + ranked.front().first <= gate;
+      if (takes) {
+        mahalanobis2 += ranked.front().first;
+        const int pairing = ranked.front().second;
+        other_cost += pairings_[static_cast<std::size_t>(pairing)].cue_cost;
+        appendToFactor(pairing);
+        chosen_.push_back(pairing);
+        current_[observation] = pairing;
+      } else {
+        other_cost += limits_.unpaired_cost;
+      }
+    }
+    keepIfBest(mahalanobis2, other_cost);
+    chosen_.clear();
+    current_.assign(current_.size(), -1);
+  }
+
+  void keepIfBest(double mahalanobis2, double other_cost) {
+    if (mahalanobis2 + other_cost >= best_cost_) return;
+    if (mahalanobis2 > compatibility_.gate(static_cast<int>(chosen_.size()))) return;
+    best_cost_ = mahalanobis2 + other_cost;
+    best_.pairings = current_;
+    best_.mahalanobis2 = mahalanobis2;
+    best_.paired = static_cast<int>(chosen_.size());
+  }
+
   void descend(std::size_t depth, double mahalanobis2, double other_cost) {
     if (mahalanobis2 + other_cost >= best_cost_) return;
-    if (depth == order_.size()) {
-      if (mahalanobis2 > compatibility_.gate(static_cast<int>(chosen_.size()))) return;
-      best_cost_ = mahalanobis2 + other_cost;
-      best_.pairings = current_;
-      best_.mahalanobis2 = mahalanobis2;
-      best_.paired = static_cast<int>(chosen_.size());
-      return;
-    }
-    if (++nodes_ > limits_.max_nodes) {
+    if (depth == order_.size()) return keepIfBest(mahalanobis2, other_cost);
+    effort_ += nodeEffort();
+    if (effort_ > limits_.max_nodes) {
       best_.complete = false;
       return;
     }
@@ -79,6 +108,13 @@ class Search {
       chosen_.pop_back();
     }
     descend(depth + 1, mahalanobis2, other_cost + limits_.unpaired_cost);
+  }
+
+  /// A node's work grows with the square of the pairings it carries: in nodes of usual scans.
+  double nodeEffort() const {
+    constexpr double kUsualPairings = 16.0;
+    const double share = static_cast<double>(chosen_.size()) / kUsualPairings;
+    return 1.0 + share * share;
   }
 
   /// Candidates whose landmark is free, by how much each adds to the joint distance.
@@ -104,13 +140,13 @@ class Search {
     for (std::size_t c = 0; c < chosen_.size(); ++c) {
       const auto column = static_cast<Index>(2 * c);
       Matrix2d block = S_.block<2, 2>(2 * k, 2 * chosen_[c]);
-      block -= L_.block(n, 0, 2, column) * L_.block(column, 0, 2, column).transpose();
+      block -= L_.block(n, 0, 2, column).lazyProduct(L_.block(column, 0, 2, column).transpose());
       const Matrix2d diagonal = L_.block<2, 2>(column, column);
       L_.block<2, 2>(n, column) =
           diagonal.triangularView<Eigen::Lower>().solve(block.transpose()).transpose();
     }
     Matrix2d own = S_.block<2, 2>(2 * k, 2 * k);
-    own -= L_.block(n, 0, 2, n) * L_.block(n, 0, 2, n).transpose();
+    own -= L_.block(n, 0, 2, n).lazyProduct(L_.block(n, 0, 2, n).transpose());
     const double l00 = std::sqrt(own(0, 0)), l10 = own(1, 0) / l00;
     const double l11 = std::sqrt(own(1, 1) - l10 * l10);
     if (!(l00 > 0.0) || !(l11 > 0.0)) return std::numeric_limits<double>::infinity();
@@ -128,10 +164,11 @@ class Search {
   const JointCompatibilityLimits& limits_;
   std::vector<std::vector<int>> by_observation_;
   std::vector<std::size_t> order_;  ///< observations that have candidates
-  Eigen::MatrixXd L_;
+  /// By rows, two of which each product reads. Products are lazy: they are too small to be packed.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> L_;
   Eigen::VectorXd y_;  ///< L^-1 * innovations
   std::vector<int> chosen_, current_;
-  int nodes_ = 0;
+  double effort_ = 0.0;  ///< so far, in nodes
   double best_cost_ = 0.0;
   JointHypothesis best_;
 };

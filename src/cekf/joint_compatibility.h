@@ -17,7 +17,8 @@ struct Pairing {
 struct JointCompatibilityLimits {
   double unpaired_cost = 9.21;  ///< what leaving an observation out costs, as squared deviations
   double joint_probability = 0.99;  ///< of the chi-square gate on the joint innovation
-  int max_nodes = 20000;            ///< of the search tree; what is best by then is returned
+  int max_nodes =
+      20000;  ///< of the search tree, larger ones counted more; then the best is returned
 };
 
 /// A set of pairings, at most one for each observation and each landmark.

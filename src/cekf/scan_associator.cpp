@@ -207,6 +207,7 @@ void ScanAssociator::chooseJointly(const std::vector<Candidate>& candidates,
     }
   }
   const JointHypothesis best = joint_.find(pairings, S, static_cast<int>(result.slots.size()));
+  result.complete = best.complete;
   for (std::size_t i = 0; i < result.slots.size(); ++i) {
     if (best.pairings[i] < 0) continue;
     const Candidate& chosen = candidates[static_cast<std::size_t>(best.pairings[i])];

@@ -20,7 +20,8 @@ struct ScanAssociation {
   std::vector<bool> ignored;  ///< by observation: without identity, where the set has identities
   std::vector<SparseMeasurement> measurements;  ///< of the observations with a landmark
   std::vector<std::size_t> measured;            ///< by measurement: the observation
-  int ambiguous = 0;  ///< observations with two or more compatible landmarks
+  int ambiguous = 0;     ///< observations with two or more compatible landmarks
+  bool complete = true;  ///< false: there was too much to choose from, and the search was cut short
 };
 
 /// Associates observations with landmarks: by identity where the sensor reads one, else by joint

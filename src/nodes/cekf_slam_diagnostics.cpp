@@ -55,6 +55,11 @@ void CekfSlamNode::diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& s
   status.add("observations", counts.observations);
   status.add("observations associated", counts.associated);
   status.add("observations rejected", counts.rejected);
+  status.add("associations cut short", counts.bounded_associations);
+  if (counts.bounded_associations > 0) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "Scans with more landmarks than association.max_nodes lets be searched");
+  }
   status.add("GPS fixes used", counts.gps_used);
   status.add("GPS fixes rejected", counts.gps_rejected);
   status.add("landmarks created", counts.landmarks_created);
