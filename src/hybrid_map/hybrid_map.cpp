@@ -32,11 +32,10 @@ class HybridMap::Impl {
 
   MapOutcome apply(const LandmarkMap& map) {
     ++counts_.landmark_maps;
-    if (map.version < version_)
-      return refuse(olderThanHeld(map.version), counts_.refused_landmarks);
     if (auto problem = landmarkProblem(map.landmarks)) {
       return refuse(*problem, counts_.refused_landmarks);
     }
+    if (map.version < version_) return growBy(map);
     return follow(map);
   }
 
@@ -174,6 +173,23 @@ class HybridMap::Impl {
            std::to_string(version_) + ", which is held";
   }
 
+  /// A map takes longer to make than an update, which may have overtaken it: what it says of
+  /// covariances still holds, while places are known better.
+  MapOutcome growBy(LandmarkMap map) {
+    std::vector<LandmarkEstimate> present;
+    for (LandmarkEstimate& landmark : map.landmarks) {
+      const auto place = landmarks_.findUnmerged(landmark.id);
+      if (!place) continue;
+      landmark.position = *place;
+      present.push_back(landmark);
+    }
+    map.landmarks = std::move(present);
+    ++revision_;
+    MapOutcome outcome = accepted();
+    outcome.change = partition_.grow(map);
+    return entail(std::move(outcome));
+  }
+
   template <class Landmarks>
   MapOutcome follow(const Landmarks& landmarks) {
     version_ = landmarks.version;
@@ -181,6 +197,10 @@ class HybridMap::Impl {
     MapOutcome outcome = accepted();
     outcome.change = partition_.apply(landmarks);
     landmarks_.apply(landmarks);
+    return entail(std::move(outcome));
+  }
+
+  MapOutcome entail(MapOutcome outcome) {
     writer_.follow(partition_, outcome.change, landmarks_, revision_);
     counts_.ltrs_created += outcome.change.created.size();
     counts_.ltrs_retired += outcome.change.retired.size();

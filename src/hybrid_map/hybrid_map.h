@@ -79,7 +79,8 @@ class HybridMap {
   HybridMap(HybridMap&&) noexcept;
   HybridMap& operator=(HybridMap&&) noexcept;
 
-  /// All landmarks of an epoch. Versions must not run back; after a reset of the filter, reset().
+  /// All landmarks of an epoch. Of a map older than the version held, only the covariances are
+  /// used, to grow by. After a reset of the filter, reset().
   MapOutcome apply(const LandmarkMap& map);
   /// What changed since a version that is not later than the one held.
   MapOutcome apply(const LandmarkUpdate& update);

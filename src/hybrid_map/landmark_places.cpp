@@ -17,12 +17,17 @@ void LandmarkPlaces::apply(const LandmarkUpdate& update) {
 std::optional<Eigen::Vector2d> LandmarkPlaces::find(int id) const {
   // No chain of merges is longer than their number, unless it runs in a circle.
   for (std::size_t steps = 0; steps <= merged_into_.size(); ++steps) {
-    if (const auto place = places_.find(id); place != places_.end()) return place->second;
+    if (const auto place = findUnmerged(id)) return place;
     const auto merged = merged_into_.find(id);
     if (merged == merged_into_.end()) break;
     id = merged->second;
   }
   return std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> LandmarkPlaces::findUnmerged(int id) const {
+  const auto place = places_.find(id);
+  return place == places_.end() ? std::nullopt : std::optional<Eigen::Vector2d>(place->second);
 }
 
 std::pair<int, int> LandmarkPlaces::nearestTwo(const Eigen::Vector2d& place, double range_m,

@@ -19,6 +19,9 @@ class LandmarkPlaces {
   /// Of a landmark, or of the one that it was merged into [m]; nothing if it is no more.
   std::optional<Eigen::Vector2d> find(int id) const;
 
+  /// Of a landmark itself [m].
+  std::optional<Eigen::Vector2d> findUnmerged(int id) const;
+
   /// The landmark nearest to a place within `range_m`, and the nearest besides that is at least
   /// `separation_m` away from it; -1 where there is none.
   std::pair<int, int> nearestTwo(const Eigen::Vector2d& place, double range_m,

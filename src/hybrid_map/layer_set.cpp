@@ -49,7 +49,10 @@ LayerSet::LayerSet(const std::string& description, int day_parts,
       const std::vector<std::string> rest(words.begin() + 2, words.end());
       if (auto model = makeModel(words[1], rest, day_parts, problem)) add(name, std::move(model));
     }
-    if (!problem.empty()) problems.push_back("layers: '" + name + "': " + problem + ".");
+    if (problem.empty()) continue;
+    std::ostringstream sentence;
+    sentence << "layers: '" << name << "': " << problem << ".";
+    problems.push_back(sentence.str());
   }
 }
 

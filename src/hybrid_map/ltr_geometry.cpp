@@ -51,6 +51,11 @@ double longestSide(const Corners& corners) {
   return *std::max_element(length.begin(), length.end());
 }
 
+double smallestHeight(const Corners& corners) {
+  const double longest = longestSide(corners);
+  return longest > 0.0 ? std::abs(turn(corners[0], corners[1], corners[2])) / longest : 0.0;
+}
+
 double smallestAngle(const Corners& corners) {
   double smallest = M_PI;
   for (std::size_t i = 0; i < 3; ++i) {

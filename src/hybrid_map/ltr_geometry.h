@@ -27,6 +27,8 @@ double distanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& fr
 double shortestSide(const Corners& corners);
 double longestSide(const Corners& corners);
 double smallestAngle(const Corners& corners);
+/// Distance [m] of the longest side from the corner that is not on it.
+double smallestHeight(const Corners& corners);
 
 /// Whether a point lies inside the circle through counter-clockwise corners.
 bool isInsideCircumcircle(const Corners& corners, const Eigen::Vector2d& point);

@@ -31,8 +31,9 @@ std::array<int, 3> startingAtRightAngle(const std::array<int, 3>& order, const C
 }  // namespace
 
 bool LtrGrowth::Candidate::operator<(const Candidate& other) const {
-  return std::make_tuple(landmarks_in_circle, -smallest_angle_rad, landmarks) <
-         std::make_tuple(other.landmarks_in_circle, -other.smallest_angle_rad, other.landmarks);
+  return std::make_tuple(is_thin, landmarks_in_circle, -smallest_angle_rad, landmarks) <
+         std::make_tuple(other.is_thin, other.landmarks_in_circle, -other.smallest_angle_rad,
+                         other.landmarks);
 }
 
 LtrGrowth::LtrGrowth(const PartitionConfig& config, const LandmarkMap& map, LtrMesh& mesh)
@@ -78,7 +79,7 @@ Corners LtrGrowth::cornersOf(const std::array<int, 3>& landmarks) const {
 
 std::optional<LtrGrowth::Candidate> LtrGrowth::candidateOf(
     const std::array<int, 3>& landmarks, const std::vector<int>& neighbours) const {
-  Candidate candidate{landmarks, 0, 0.0};
+  Candidate candidate{landmarks, false, 0, 0.0};
   std::array<int, 3>& order = candidate.landmarks;
   const Corners given = cornersOf(order);
   if (turn(given[0], given[1], given[2]) < 0.0) std::swap(order[1], order[2]);
@@ -86,7 +87,8 @@ std::optional<LtrGrowth::Candidate> LtrGrowth::candidateOf(
   const Corners corners = cornersOf(order);
   candidate.smallest_angle_rad = smallestAngle(corners);
   // The comparisons are such that corners on one line fail them.
-  const bool has_shape = candidate.smallest_angle_rad >= config_.min_angle_rad &&
+  candidate.is_thin = candidate.smallest_angle_rad < config_.min_angle_rad;
+  const bool has_shape = smallestHeight(corners) >= config_.min_gap_height_m &&
                          shortestSide(corners) >= config_.min_side_m &&
                          longestSide(corners) <= config_.max_side_m;
   if (!has_shape) return std::nullopt;
@@ -130,12 +132,23 @@ bool LtrGrowth::keepsClear(const Corners& corners, const std::array<int, 3>& ver
          isClear(other_corners, other_vertices, corners, vertices);
 }
 
-bool LtrGrowth::fits(const std::array<int, 3>& landmarks) const {
+int LtrGrowth::sharedSides(const std::array<int, 3>& vertices) const {
+  int shared = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int from = vertices[k], to = vertices[(k + 1) % 3];
+    if (from != kNone && to != kNone && mesh_.hasSide(to, from)) ++shared;
+  }
+  return shared;
+}
+
+bool LtrGrowth::fits(const Candidate& candidate) const {
+  const std::array<int, 3>& landmarks = candidate.landmarks;
   const Corners corners = cornersOf(landmarks);
   std::array<int, 3> vertices{};
   for (std::size_t i = 0; i < 3; ++i) {
     vertices[i] = mesh_.findVertex(map_.landmarks[std::size_t(landmarks[i])].id);
   }
+  if (candidate.is_thin && sharedSides(vertices) < 2) return false;
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(config_.clearance_m);
   const Eigen::Vector2d low = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]) - margin;
   const Eigen::Vector2d high = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]) + margin;
@@ -179,7 +192,7 @@ std::vector<int> LtrGrowth::growAround(const std::vector<int>& seeds) {
   std::set<std::array<int, 3>> tried;  // a triangle is a candidate of each of its corners
   for (const Candidate& candidate : candidates) {
     if (!tried.insert(candidate.landmarks).second) continue;
-    if (!fits(candidate.landmarks) || !shapeIsKnown(candidate.landmarks, pairs)) continue;
+    if (!fits(candidate) || !shapeIsKnown(candidate.landmarks, pairs)) continue;
     created.push_back(attach(candidate.landmarks));
   }
   return created;

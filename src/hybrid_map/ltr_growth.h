@@ -22,12 +22,13 @@ class LtrGrowth {
 
   /// Adds LTRs that have one of `seeds` (indices into the map's landmarks) as a vertex. Of all that
   /// could be made, those come first whose circumcircles are empty of other landmarks (Delaunay),
-  /// and then those with the larger smallest angle. Returns the new LTRs.
+  /// and then those with the larger smallest angle; thin ones come last. Returns the new LTRs.
   std::vector<int> growAround(const std::vector<int>& seeds);
 
  private:
   struct Candidate {
     std::array<int, 3> landmarks;  ///< indices into the map, counter-clockwise, the least one first
+    bool is_thin;                  ///< may only fill a gap
     int landmarks_in_circle;
     double smallest_angle_rad;
 
@@ -41,7 +42,8 @@ class LtrGrowth {
   std::optional<Candidate> candidateOf(const std::array<int, 3>& landmarks,
                                        const std::vector<int>& neighbours) const;
   Corners cornersOf(const std::array<int, 3>& landmarks) const;
-  bool fits(const std::array<int, 3>& landmarks) const;
+  bool fits(const Candidate& candidate) const;
+  int sharedSides(const std::array<int, 3>& vertices) const;
   bool keepsClear(const Corners& corners, const std::array<int, 3>& vertices, int other) const;
   bool shapeIsKnown(const std::array<int, 3>& landmarks, const PairCovariances& pairs) const;
   int attach(std::array<int, 3> landmarks);

@@ -57,6 +57,9 @@ class LtrMesh {
   /// Ids of all landmarks that are vertices, ascending.
   std::vector<int> vertexLandmarks() const;
 
+  /// Whether an LTR lies to the left of the side from one vertex to another.
+  bool hasSide(int from, int to) const { return ltr_of_side_.count(sideKey(from, to)) > 0; }
+
   /// A new LTR over counter-clockwise vertices, its geometry valid; kNone if one of its sides
   /// already bounds an LTR on this side.
   int attach(const std::array<int, 3>& vertices);

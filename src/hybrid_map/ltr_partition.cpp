@@ -29,7 +29,7 @@ PartitionChange LtrPartition::apply(const LandmarkMap& map) {
   moveVertices(map.landmarks);
   loseUnseenVertices();
   correct(change);
-  grow(map, change);
+  change.created = grow(map).created;
   return change;
 }
 
@@ -192,15 +192,16 @@ bool LtrPartition::isWorthTrying(const LandmarkEstimate& landmark) const {
   return tried == tried_observations_.end() || tried->second != landmark.observations;
 }
 
-void LtrPartition::grow(const LandmarkMap& map, PartitionChange& change) {
+PartitionChange LtrPartition::grow(const LandmarkMap& map) {
+  PartitionChange change;
   std::vector<int> seeds;
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     if (!isWorthTrying(map.landmarks[i])) continue;
     tried_observations_[map.landmarks[i].id] = map.landmarks[i].observations;
     seeds.push_back(static_cast<int>(i));
   }
-  if (seeds.empty()) return;
-  change.created = LtrGrowth(config_, map, mesh_).growAround(seeds);
+  if (!seeds.empty()) change.created = LtrGrowth(config_, map, mesh_).growAround(seeds);
+  return change;
 }
 
 }  // namespace hymm::core

@@ -46,6 +46,10 @@ class LtrPartition {
   /// grows.
   PartitionChange apply(const LandmarkUpdate& update);
 
+  /// Grows by landmarks that can be vertices, without correcting anything: places of vertices in
+  /// `map` are those that the partition has.
+  PartitionChange grow(const LandmarkMap& map);
+
   /// Evidence written into an LTR: where two overlap, the one with less goes.
   void addObservations(int ltr, double count) { mesh_.addObservations(ltr, count); }
 
@@ -66,7 +70,6 @@ class LtrPartition {
   void retireOverlapping(PartitionChange& change);
   int overlappingNeighbour(int ltr) const;
   void retire(int ltr, RetiredLtr::Reason reason, PartitionChange& change);
-  void grow(const LandmarkMap& map, PartitionChange& change);
   bool isWorthTrying(const LandmarkEstimate& landmark) const;
 
   PartitionConfig config_;

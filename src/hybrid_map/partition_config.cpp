@@ -10,6 +10,10 @@ void PartitionConfig::describe(ConfigSchema& schema) {
                 "of a new LTR; no more than cekf_slam's landmark_block_range_m, up to which "
                 "covariances of pairs are known");
   schema.number("min_angle_rad", min_angle_rad, Range{0.01, 1.0, false}, "of a new LTR");
+  schema.number(
+      "min_gap_height_m", min_gap_height_m, Range::positive(),
+      "over the longest side; an LTR with a smaller angle than min_angle_rad is made only "
+      "to fill a gap, where two or all of its sides bound LTRs already");
   schema.number("clearance_m", clearance_m, Range::notNegative(),
                 "least distance of a new LTR's sides from vertices of others, so that small "
                 "corrections do not make them overlap");

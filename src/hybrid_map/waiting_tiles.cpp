@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "hybrid_map/cell_shares.h"
 
@@ -112,25 +113,26 @@ void WaitingTiles::follow(const LandmarkPlaces& landmarks) {
   }
 }
 
-bool WaitingTiles::touches(const Sheet& sheet, const TilePlace& tile,
-                           const std::vector<Box>& boxes) const {
-  const double tile_m = kTileCells * resolution_m_;
-  const Eigen::Vector2d centre =
-      sheet.T_map_sheet *
-      (tile_m * (Eigen::Vector2d(tile.first, tile.second).array() + 0.5)).matrix();
-  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(tile_m * M_SQRT1_2);
-  return std::any_of(boxes.begin(), boxes.end(), [&](const Box& box) {
-    return ((centre + reach).array() >= box.low.array()).all() &&
-           ((centre - reach).array() <= box.high.array()).all();
+std::vector<WaitingTiles::Box> WaitingTiles::boxesAt(const Eigen::Vector2d& place, double reach_m,
+                                                     const std::vector<Box>& boxes) {
+  std::vector<Box> near;
+  std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(near), [&](const Box& box) {
+    return (place.array() + reach_m >= box.low.array()).all() &&
+           (place.array() - reach_m <= box.high.array()).all();
   });
+  return near;
 }
 
 void WaitingTiles::settle(const std::vector<Box>& boxes, const Taker& take) {
   last_tile_ = nullptr;
+  const double tile_m = kTileCells * resolution_m_;
   for (Sheet& sheet : sheets_) {
     for (auto tile = sheet.tiles.begin(); tile != sheet.tiles.end();) {
+      const Eigen::Vector2d middle(tile->first.first + 0.5, tile->first.second + 0.5);
+      const std::vector<Box> near =
+          boxesAt(sheet.T_map_sheet * (tile_m * middle), tile_m * M_SQRT1_2, boxes);
       const bool is_empty =
-          touches(sheet, tile->first, boxes) && settleTile(sheet, tile->first, tile->second, take);
+          !near.empty() && settleTile(sheet, tile->first, tile->second, near, take);
       tile = is_empty ? sheet.tiles.erase(tile) : std::next(tile);
     }
   }
@@ -138,27 +140,36 @@ void WaitingTiles::settle(const std::vector<Box>& boxes, const Taker& take) {
 
 /// Returns whether nothing is left in the tile.
 bool WaitingTiles::settleTile(const Sheet& sheet, const TilePlace& place, CellStore& tile,
-                              const Taker& take) {
+                              const std::vector<Box>& boxes, const Taker& take) {
   bool is_empty = true;
   for (int layer = 0; layer < layers_.count(); ++layer) {
     if (tile.isEmpty(layer)) continue;
-    const CellModel& model = layers_.model(layer);
+    const int channels = layers_.channels(layer);
     float* cell = tile.write(layers_, layer, tile.revision(layer));
-    for (int index = 0; index < tile.cellCount(); ++index, cell += layers_.channels(layer)) {
-      if (!hasEvidence(cell, layers_.channels(layer))) continue;
+    for (int index = 0; index < tile.cellCount(); ++index, cell += channels) {
+      if (!hasEvidence(cell, channels)) continue;
       const Eigen::Vector2d corner(place.first * kTileCells + index % kTileCells,
                                    place.second * kTileCells + index / kTileCells);
-      int taken = 0;
-      for (const Eigen::Vector2d& part : kCellParts) {
-        const Eigen::Vector2d at = sheet.T_map_sheet * (resolution_m_ * (corner + part));
-        if (take(layer, at, cell, kCellPartShare)) ++taken;
-      }
-      model.keep(static_cast<float>(static_cast<int>(kCellParts.size()) - taken) * kCellPartShare,
-                 cell);
-      is_empty = is_empty && taken == static_cast<int>(kCellParts.size());
+      is_empty = settleCell(sheet, corner, layer, cell, boxes, take) && is_empty;
     }
   }
   return is_empty;
+}
+
+/// Returns whether nothing is left in the cell with this least corner, in units of cells.
+bool WaitingTiles::settleCell(const Sheet& sheet, const Eigen::Vector2d& corner, int layer,
+                              float* cell, const std::vector<Box>& boxes, const Taker& take) {
+  const auto placeOf = [&](const Eigen::Vector2d& part) {
+    return sheet.T_map_sheet * (resolution_m_ * (corner + part));
+  };
+  const Eigen::Vector2d middle = placeOf({0.5, 0.5});
+  if (boxesAt(middle, resolution_m_ * M_SQRT1_2, boxes).empty()) return false;
+  int left = static_cast<int>(kCellParts.size());
+  for (const Eigen::Vector2d& part : kCellParts) {
+    if (take(layer, placeOf(part), cell, kCellPartShare)) --left;
+  }
+  layers_.model(layer).keep(static_cast<float>(left) * kCellPartShare, cell);
+  return left == 0;
 }
 
 void WaitingTiles::forgetEmptySheets() {
@@ -179,24 +190,30 @@ std::size_t WaitingTiles::bytes() const {
 
 std::size_t WaitingTiles::dropBeyondLimit() {
   std::size_t used = bytes(), dropped = 0;
-  while (static_cast<double>(used) > config_.max_memory_mb * kBytesPerMb) {
-    Sheet* oldest_sheet = nullptr;
-    std::map<TilePlace, CellStore>::iterator oldest;
-    for (Sheet& sheet : sheets_) {
-      for (auto tile = sheet.tiles.begin(); tile != sheet.tiles.end(); ++tile) {
-        const bool is_older =
-            oldest_sheet == nullptr || tile->second.lastRevision() < oldest->second.lastRevision();
-        if (!is_older) continue;
-        oldest_sheet = &sheet;
-        oldest = tile;
-      }
-    }
-    used -= oldest->second.bytes();
-    oldest_sheet->tiles.erase(oldest);
-    last_tile_ = nullptr;
+  while (used > 0 && static_cast<double>(used) > config_.max_memory_mb * kBytesPerMb) {
+    used -= dropOldest();
     ++dropped;
   }
   return dropped;
+}
+
+std::size_t WaitingTiles::dropOldest() {
+  const auto isOlder = [](const auto& a, const auto& b) {
+    return a.second.lastRevision() < b.second.lastRevision();
+  };
+  std::map<TilePlace, CellStore>* tiles = nullptr;
+  std::map<TilePlace, CellStore>::iterator oldest;
+  for (Sheet& sheet : sheets_) {
+    const auto first = std::min_element(sheet.tiles.begin(), sheet.tiles.end(), isOlder);
+    if (first == sheet.tiles.end() || (tiles != nullptr && !isOlder(*first, *oldest))) continue;
+    tiles = &sheet.tiles;
+    oldest = first;
+  }
+  if (tiles == nullptr) return 0;
+  const std::size_t freed = oldest->second.bytes();
+  tiles->erase(oldest);
+  last_tile_ = nullptr;
+  return freed;
 }
 
 double WaitingTiles::evidence(int layer) const {

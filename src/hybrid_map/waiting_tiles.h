@@ -80,9 +80,15 @@ class WaitingTiles {
              const LandmarkPlaces& landmarks) const;
   void anchor(Sheet& sheet, const Eigen::Vector2d& place, const LandmarkPlaces& landmarks) const;
   Eigen::Vector2d centreOf(const Sheet& sheet) const;
-  bool touches(const Sheet& sheet, const TilePlace& tile, const std::vector<Box>& boxes) const;
-  bool settleTile(const Sheet& sheet, const TilePlace& place, CellStore& tile, const Taker& take);
+  /// The boxes that a square around `place`, `reach_m` to each side, touches.
+  static std::vector<Box> boxesAt(const Eigen::Vector2d& place, double reach_m,
+                                  const std::vector<Box>& boxes);
+  bool settleTile(const Sheet& sheet, const TilePlace& place, CellStore& tile,
+                  const std::vector<Box>& boxes, const Taker& take);
+  bool settleCell(const Sheet& sheet, const Eigen::Vector2d& corner, int layer, float* cell,
+                  const std::vector<Box>& boxes, const Taker& take);
   void forgetEmptySheets();
+  std::size_t dropOldest();
 
   WaitingConfig config_;
   const LayerSet& layers_;

@@ -245,8 +245,6 @@ TEST(HybridMap, RefusesLandmarksThatAreNotFiniteOrOld) {
   landmarks.version = 5;
   HybridMap map = mapOver(landmarks);
   const std::vector<int> pinned = map.pinnedLandmarks();
-  landmarks.version = 4;
-  EXPECT_THAT(map.apply(landmarks).reason, HasSubstr("version 4"));
   landmarks.version = 6;
   landmarks.landmarks[2].position.x() = INFINITY;
   EXPECT_THAT(map.apply(landmarks).reason, HasSubstr("landmark 2"));
@@ -258,9 +256,35 @@ TEST(HybridMap, RefusesLandmarksThatAreNotFiniteOrOld) {
   update.since_version = 9;
   update.version = 10;
   EXPECT_THAT(map.apply(update).reason, HasSubstr("a whole map is needed"));
+  update.since_version = 3;
+  update.version = 4;
+  EXPECT_THAT(map.apply(update).reason, HasSubstr("version 4"));
   EXPECT_EQ(map.pinnedLandmarks(), pinned);
   EXPECT_EQ(map.landmarkVersion(), 5U);
   EXPECT_EQ(map.counts().refused_landmarks, 4U);
+}
+
+TEST(HybridMap, GrowsByAMapThatAnUpdateHasOvertaken) {
+  LandmarkMap landmarks = squareMap();
+  HybridMap map(withLayers());
+  LandmarkUpdate update;
+  update.version = 2;
+  update.changed = landmarks.landmarks;
+  const Pose2 correction{3.0, 2.0, 0.4};
+  for (auto& landmark : update.changed) landmark.position = correction * landmark.position;
+  ASSERT_TRUE(map.apply(update).accepted);
+  update.changed.clear();
+  update.removed_ids = {3};
+  update.since_version = 2;
+  update.version = 3;
+  ASSERT_TRUE(map.apply(update).accepted);
+  const MapOutcome outcome = map.apply(landmarks);  // version 1
+  EXPECT_TRUE(outcome.accepted);
+  EXPECT_EQ(outcome.change.created.size(), 1U);
+  EXPECT_EQ(map.landmarkVersion(), 3U);
+  EXPECT_EQ(map.pinnedLandmarks(), (std::vector<int>{0, 1, 2}));
+  EXPECT_NE(map.query("occupancy", correction * Eigen::Vector2d(9.9, -9.8)).status,
+            Status::kOutside);
 }
 
 TEST(HybridMap, AnswersQueriesForUnknownLayersAndPlaces) {

@@ -87,6 +87,11 @@ TEST(SmallestAngle, OfKnownTriangles) {
   EXPECT_EQ(smallestAngle({kRight[0], kRight[1], Eigen::Vector2d(2.0, 0.0)}), 0.0);
 }
 
+TEST(SmallestHeight, StandsOnTheLongestSide) {
+  EXPECT_NEAR(smallestHeight(kRight), 3.0 * 4.0 / 5.0, 1e-15);
+  EXPECT_EQ(smallestHeight({kRight[0], kRight[0], kRight[0]}), 0.0);
+}
+
 TEST(KeepsShape, AcceptsTurnsAndRefusesReflections) {
   EXPECT_TRUE(keepsShape(Eigen::Rotation2Dd(2.0).toRotationMatrix(), 1.01));
   EXPECT_FALSE(keepsShape(Eigen::Vector2d(1.0, -1.0).asDiagonal(), 2.0));

@@ -184,6 +184,16 @@ TEST(LtrPartition, HoldsToItsBoundsOnSides) {
   EXPECT_EQ(partitionOf(mapOf({{0.0, 0.0}, {1.5, 0.0}, {0.7, 1.5}})).mesh().aliveCount(), 0U);
 }
 
+TEST(LtrPartition, FillsAGapWithAThinLtrButMakesNoneElsewhere) {
+  // The first three are too flat on their own; between two others they fill the gap.
+  LandmarkMap map = mapOf({{0.0, 0.0}, {10.0, 1.5}, {20.0, 0.0}});
+  EXPECT_EQ(partitionOf(map).mesh().aliveCount(), 0U);
+  map = mapOf({{0.0, 0.0}, {10.0, 1.5}, {20.0, 0.0}, {4.0, 12.0}, {16.0, 12.0}});
+  const LtrPartition partition = partitionOf(map);
+  EXPECT_EQ(brokenInvariant(partition, map), "");
+  EXPECT_NE(partition.mesh().locate({10.0, 1.0}), kNone);
+}
+
 TEST(LtrPartition, GrowsOutsideAndLeavesOutLandmarksInside) {
   LandmarkMap map = mapOf({{0.0, 0.0}, {12.0, 0.0}, {6.0, 11.0}});
   LtrPartition partition = partitionOf(map);
