@@ -7,6 +7,7 @@
 #include <ros/master.h>
 #include <std_srvs/SetBool.h>
 
+#include "ros/bag_errors.h"
 #include "ros/steady_time.h"
 
 namespace hymm {
@@ -35,6 +36,7 @@ std::set<std::string> subscribedNodes() {
 }  // namespace
 
 void PlaybackConfig::describe(core::ConfigSchema& schema) {
+  schema.text("bag", bag, "bag that the player plays: looked into first, if it is told");
   schema.text("player", player, "name of the node `rosbag play`, started with --pause --clock");
   schema.text("listeners", listeners,
               "nodes that must be subscribed before it begins, separated by spaces");
@@ -52,6 +54,7 @@ PlaybackNode::PlaybackNode(const PlaybackConfig& config) : config_(config) {
 }
 
 void PlaybackNode::run() {
+  if (!config_.bag.empty()) checkBag(config_.bag);
   waitForAll();
   startPlayer();
   waitForEnd();

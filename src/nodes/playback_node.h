@@ -14,6 +14,7 @@ namespace hymm {
 
 /// Parameters of the node `playback`.
 struct PlaybackConfig {
+  std::string bag;                ///< that the player plays; empty: not told
   std::string player = "player";  ///< node name of `rosbag play --pause --clock`
   std::string listeners;          ///< nodes that must be subscribed before it begins, by spaces
   double start_timeout_s = 60.0;  ///< longest wait for the nodes to be there
@@ -27,7 +28,8 @@ class PlaybackNode {
  public:
   explicit PlaybackNode(const PlaybackConfig& config);
 
-  /// Throws std::runtime_error, naming those that are missing, if the start does not come about.
+  /// Throws core::InputError if the bag cannot be played, and std::runtime_error, naming the nodes
+  /// that are missing, if the start does not come about.
   void run();
 
  private:

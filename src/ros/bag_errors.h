@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <string>
 
+#include <rosbag/bag.h>
 #include <rosbag/exceptions.h>
+#include <rosbag/view.h>
 
 #include "common/error.h"
 
@@ -34,6 +36,15 @@ auto withBagErrors(const std::string& path, const Work& work) {
   } catch (const std::exception& error) {
     throw core::InputError(path + ": the bag is damaged (" + error.what() + ")." + reindex);
   }
+}
+
+/// Throws core::InputError unless the bag can be opened and holds messages.
+inline void checkBag(const std::string& path) {
+  withBagErrors(path, [&] {
+    const rosbag::Bag bag(path, rosbag::bagmode::Read);
+    if (rosbag::View(bag).size() > 0) return;
+    throw core::InputError(path + ": the bag is empty, it holds no messages.");
+  });
 }
 
 }  // namespace hymm

@@ -7,9 +7,11 @@ import os
 import socket
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
+ROOT = Path(__file__).parents[2]
 DURATION_S = 15
 RATE = 5
 SCANS_HZ = 5  # of the simulated laser and detector
@@ -32,6 +34,15 @@ class Playback(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
         self.path = Path(self.folder.name)
 
+    def play(self, bag, config):
+        port = free_port()
+        return subprocess.run(
+            ["roslaunch", "--port", port, "hymm", "playback.launch", f"bag:={bag}",
+             f"config:={config}", f"rate:={RATE}", f"output:={self.path / 'live'}"],
+            env={**os.environ, "ROS_MASTER_URI": f"http://localhost:{port}",
+                 "ROS_HOME": str(self.path / "ros")}, timeout=90, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
     def run_both(self, overlay, *simulation):
         bag, config = self.path / "robot.bag", self.path / "robot.yaml"
         config.write_text(overlay)
@@ -39,16 +50,21 @@ class Playback(unittest.TestCase):
                          "--duration", DURATION_S, "--output", bag, *simulation)
         self.run_command("rosrun", "hymm", "hymm_offline", "--bag", bag, "--config", config,
                          "--output", self.path / "offline")
-        port = free_port()
-        self.run_command("roslaunch", "--port", port, "hymm", "playback.launch", f"bag:={bag}",
-                         f"config:={config}", f"rate:={RATE}", f"output:={self.path / 'live'}",
-                         env={**os.environ, "ROS_MASTER_URI": f"http://localhost:{port}",
-                              "ROS_HOME": str(self.path / "ros")})
+        done = self.play(bag, config)
+        self.assertEqual(done.returncode, 0, done.stdout)
 
-    def run_command(self, *command, env=None):
-        done = subprocess.run([str(word) for word in command], env=env, timeout=90, text=True,
+    def run_command(self, *command):
+        done = subprocess.run([str(word) for word in command], timeout=90, text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_bag_that_cannot_be_played_is_told_at_once(self):
+        shipped = ROOT / "bags" / "car_park.bag"
+        bag, config = self.path / "cut.bag", ROOT / "config" / "datasets" / "car_park.yaml"
+        bag.write_bytes(shipped.read_bytes()[:100000])
+        begin = time.monotonic()
+        self.assertIn("cut.bag: the bag is cut off", self.play(bag, config).stdout)
+        self.assertLess(time.monotonic() - begin, 40.0)
 
     def expect_equal_results(self, scans):
         live, offline = (json.loads((self.path / kind / "summary.json").read_text())
@@ -98,7 +114,7 @@ class Playback(unittest.TestCase):
 
     def test_robot_with_its_own_detector(self):
         # The vehicle is a file beside the configuration: nodes find it as hymm_offline does.
-        shipped = Path(__file__).parents[2] / "config" / "vehicles" / "simulated_car.yaml"
+        shipped = ROOT / "config" / "vehicles" / "simulated_car.yaml"
         (self.path / "robots").mkdir()
         (self.path / "robots" / "mine.yaml").write_text(shipped.read_text())
         self.run_both("vehicle: robots/mine.yaml\n"
