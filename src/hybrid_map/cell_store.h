@@ -1,28 +1,35 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "hybrid_map/layer_set.h"
+#include "hybrid_map/packed_floats.h"
 
 namespace hymm::core {
 
-/// Cells of one region (an LTR or a tile) in all layers; a layer takes memory once it is written.
+/// Memory that cells take.
+struct CellMemory {
+  std::size_t unpacked_bytes = 0;
+  std::size_t packed_bytes = 0;       ///< of cells that are compressed
+  std::size_t packed_from_bytes = 0;  ///< the same cells, were they not
+
+  std::size_t bytes() const { return unpacked_bytes + packed_bytes; }
+};
+
+/// Cells of one region (an LTR or a tile) in all layers. A layer takes memory once it is written;
+/// it can be packed, and unpacks itself where it is next looked at or written.
 class CellStore {
  public:
-  CellStore(const LayerSet& layers, int cells) : cells_(cells) {
-    content_.resize(std::size_t(layers.count()));
-    revisions_.resize(std::size_t(layers.count()), 0);
-  }
+  CellStore(const LayerSet& layers, int cells);
 
   int cellCount() const { return cells_; }
-  bool isEmpty(int layer) const { return content_[std::size_t(layer)].empty(); }
+  bool isEmpty(int layer) const { return revisions_[std::size_t(layer)] == 0; }
 
-  /// All cells of a layer for writing, `revision` being the map's.
+  /// All cells of a layer for writing, `revision` (greater than 0) being the map's.
   float* write(const LayerSet& layers, int layer, std::uint64_t revision) {
-    std::vector<float>& content = content_[std::size_t(layer)];
+    std::vector<float>& content = unpacked(layer);
     if (content.empty()) content.resize(std::size_t(cells_) * std::size_t(layers.channels(layer)));
     revisions_[std::size_t(layer)] = revision;
     return content.data();
@@ -30,27 +37,34 @@ class CellStore {
 
   /// A cell of a layer that is not empty.
   const float* read(const LayerSet& layers, int layer, int cell) const {
-    return content_[std::size_t(layer)].data() + std::ptrdiff_t{cell} * layers.channels(layer);
+    return unpacked(layer).data() + std::ptrdiff_t{cell} * layers.channels(layer);
   }
-  const std::vector<float>& content(int layer) const { return content_[std::size_t(layer)]; }
+  /// All cells of a layer, the channels of each side by side; empty if it was never written.
+  const std::vector<float>& content(int layer) const { return unpacked(layer); }
+
+  /// Compresses what is not.
+  void pack();
 
   /// The map's revision when the layer was last written; 0: never.
   std::uint64_t revision(int layer) const { return revisions_[std::size_t(layer)]; }
-  std::uint64_t lastRevision() const {
-    std::uint64_t last = 0;
-    for (const std::uint64_t revision : revisions_) last = std::max(last, revision);
-    return last;
-  }
+  std::uint64_t lastRevision() const;
 
-  std::size_t bytes() const {
-    std::size_t bytes = 0;
-    for (const auto& layer : content_) bytes += layer.capacity() * sizeof(float);
-    return bytes;
-  }
+  void addMemory(CellMemory& sum) const;
 
  private:
+  struct Layer {
+    std::vector<float> content;
+    PackedFloats packed;  ///< not empty: `content` is
+  };
+  std::vector<float>& unpacked(int layer) const {
+    Layer& wanted = layers_[std::size_t(layer)];
+    if (!wanted.packed.isEmpty()) unpack(wanted);
+    return wanted.content;
+  }
+  static void unpack(Layer& layer);
+
   int cells_;
-  std::vector<std::vector<float>> content_;  ///< by layer; channels of a cell side by side
+  mutable std::vector<Layer> layers_;
   std::vector<std::uint64_t> revisions_;
 };
 

@@ -62,6 +62,7 @@ class HybridMap::Impl {
     ++revision_;
     writer_.begin(posed.T_map_laser.position(), landmarks_, revision_);
     counts_.beams += scan_writer_.write(posed.scan, posed.T_map_laser, writer_);
+    packBeyond(posed.T_map_laser.position());
     counts_.dropped_waiting_tiles += writer_.waiting().dropBeyondLimit();
     return accepted();
   }
@@ -173,6 +174,13 @@ class HybridMap::Impl {
            std::to_string(version_) + ", which is held";
   }
 
+  /// Once a tenth of the radius is driven; in between hardly anything comes to lie beyond.
+  void packBeyond(const Eigen::Vector2d& place) {
+    if (packed_from_ && (*packed_from_ - place).norm() < 0.1 * config_.active_radius_m) return;
+    packed_from_ = place;
+    writer_.packBeyond(partition_, place, config_.active_radius_m);
+  }
+
   /// A map takes longer to make than an update, which may have overtaken it: what it says of
   /// covariances still holds, while places are known better.
   MapOutcome growBy(LandmarkMap map) {
@@ -242,6 +250,7 @@ class HybridMap::Impl {
   ScanWriter scan_writer_;
   std::uint64_t version_ = 0;
   std::uint64_t revision_ = 0;
+  std::optional<Eigen::Vector2d> packed_from_;  ///< where the vehicle was when cells were packed
   mutable int query_hint_ = kNone;
   Counts counts_;
 };
@@ -284,8 +293,8 @@ double HybridMap::evidenceInLtrs(int layer) const { return impl_->writer().evide
 double HybridMap::evidenceWaiting(int layer) const {
   return impl_->writer().waiting().evidence(layer);
 }
-std::size_t HybridMap::cellBytes() const { return impl_->writer().bytes(); }
-std::size_t HybridMap::waitingBytes() const { return impl_->writer().waiting().bytes(); }
+CellMemory HybridMap::ltrMemory() const { return impl_->writer().memory(); }
+CellMemory HybridMap::waitingMemory() const { return impl_->writer().waiting().memory(); }
 const LtrPartition& HybridMap::partition() const { return impl_->partition(); }
 const HybridMap::Counts& HybridMap::counts() const { return impl_->counts(); }
 

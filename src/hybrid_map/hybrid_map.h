@@ -118,9 +118,11 @@ class HybridMap {
   /// Evidence (see CellModel) of a layer in all LTRs, and in what waits for one.
   double evidenceInLtrs(int layer) const;
   double evidenceWaiting(int layer) const;
-  /// Memory of all cells [bytes].
-  std::size_t cellBytes() const;
-  std::size_t waitingBytes() const;
+
+  /// Memory of the cells of all LTRs, and of what waits for one. Beyond active_radius_m of the last
+  /// scan they are compressed, and unpacked where they are looked at or written again.
+  CellMemory ltrMemory() const;
+  CellMemory waitingMemory() const;
 
   const LtrPartition& partition() const;
   const Counts& counts() const;

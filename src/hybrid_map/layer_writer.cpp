@@ -1,5 +1,6 @@
 #include "hybrid_map/layer_writer.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hymm::core {
@@ -100,10 +101,25 @@ double LayerWriter::evidence(int layer) const {
   return sum;
 }
 
-std::size_t LayerWriter::bytes() const {
-  std::size_t bytes = 0;
-  for (const auto& cells : cells_) bytes += cells == nullptr ? 0 : cells->store.bytes();
-  return bytes;
+CellMemory LayerWriter::memory() const {
+  CellMemory memory;
+  for (const auto& cells : cells_) {
+    if (cells != nullptr) cells->store.addMemory(memory);
+  }
+  return memory;
+}
+
+void LayerWriter::packBeyond(const LtrPartition& partition, const Eigen::Vector2d& place,
+                             double radius_m) {
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    if (cells_[i] == nullptr) continue;
+    const Corners corners = partition.mesh().corners(static_cast<int>(i));
+    const bool is_near = std::any_of(corners.begin(), corners.end(), [&](const auto& corner) {
+      return (corner - place).norm() <= radius_m;
+    });
+    if (!is_near) cells_[i]->store.pack();
+  }
+  waiting_.packBeyond(place, radius_m);
 }
 
 }  // namespace hymm::core

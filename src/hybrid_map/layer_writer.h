@@ -42,7 +42,10 @@ class LayerWriter {
   std::uint64_t revision() const { return revision_; }
 
   double evidence(int layer) const;
-  std::size_t bytes() const;
+  CellMemory memory() const;
+
+  /// Compresses LTRs and tiles of which no part is within `radius_m` of a place.
+  void packBeyond(const LtrPartition& partition, const Eigen::Vector2d& place, double radius_m);
 
  private:
   float* cellOfLtr(const LtrPartition& partition, int ltr, int layer, const Eigen::Vector2d& place);

@@ -180,16 +180,28 @@ void WaitingTiles::forgetEmptySheets() {
   selected_ = sheets_.size();  // none
 }
 
-std::size_t WaitingTiles::bytes() const {
-  std::size_t bytes = 0;
+CellMemory WaitingTiles::memory() const {
+  CellMemory memory;
   for (const Sheet& sheet : sheets_) {
-    for (const auto& [place, tile] : sheet.tiles) bytes += tile.bytes();
+    for (const auto& [place, tile] : sheet.tiles) tile.addMemory(memory);
   }
-  return bytes;
+  return memory;
+}
+
+void WaitingTiles::packBeyond(const Eigen::Vector2d& place, double radius_m) {
+  last_tile_ = nullptr;
+  const double tile_m = kTileCells * resolution_m_;
+  for (Sheet& sheet : sheets_) {
+    for (auto& [at, tile] : sheet.tiles) {
+      const Eigen::Vector2d middle(at.first + 0.5, at.second + 0.5);
+      const Eigen::Vector2d centre = sheet.T_map_sheet * (tile_m * middle);
+      if ((centre - place).norm() > radius_m + tile_m) tile.pack();
+    }
+  }
 }
 
 std::size_t WaitingTiles::dropBeyondLimit() {
-  std::size_t used = bytes(), dropped = 0;
+  std::size_t used = memory().bytes(), dropped = 0;
   while (used > 0 && static_cast<double>(used) > config_.max_memory_mb * kBytesPerMb) {
     used -= dropOldest();
     ++dropped;
@@ -210,10 +222,11 @@ std::size_t WaitingTiles::dropOldest() {
     oldest = first;
   }
   if (tiles == nullptr) return 0;
-  const std::size_t freed = oldest->second.bytes();
+  CellMemory freed;
+  oldest->second.addMemory(freed);
   tiles->erase(oldest);
   last_tile_ = nullptr;
-  return freed;
+  return freed.bytes();
 }
 
 double WaitingTiles::evidence(int layer) const {

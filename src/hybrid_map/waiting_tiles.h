@@ -57,7 +57,10 @@ class WaitingTiles {
   /// many.
   std::size_t dropBeyondLimit();
 
-  std::size_t bytes() const;
+  /// Compresses tiles beyond `radius_m` of a place.
+  void packBeyond(const Eigen::Vector2d& place, double radius_m);
+
+  CellMemory memory() const;
   bool isEmpty() const { return sheets_.empty(); }
 
   /// Evidence of a layer in all tiles.

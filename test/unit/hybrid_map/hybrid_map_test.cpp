@@ -1,6 +1,7 @@
 #include "hybrid_map/hybrid_map.h"
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <Eigen/Geometry>
@@ -358,7 +359,29 @@ TEST(HybridMap, DropsTheOldestThatWaitsWhenMemoryIsShortAndCountsIt) {
   map.insert(salinity({50.0, 0.0}, 1.0));
   EXPECT_EQ(map.counts().dropped_waiting_tiles, 1U);
   EXPECT_EQ(map.evidenceWaiting(1), 1.0);
-  EXPECT_LE(map.waitingBytes(), 20000U);
+  EXPECT_LE(map.waitingMemory().bytes(), 20000U);
+}
+
+TEST(HybridMap, PacksWhatIsFarAndUnpacksItWithoutLoss) {
+  LandmarkMap landmarks = squareMap();
+  HybridMap map = mapOver(landmarks);
+  RandomGenerator generator(4);
+  for (int i = 0; i < 200; ++i) {
+    map.insert(beam({0.0, 0.0, sampleUniform(generator, -3.0, 3.0)}, 6.0));
+    map.insert(salinity({sampleUniform(generator, -9, 9), sampleUniform(generator, -9, 9)}, i));
+  }
+  const auto before = map.renderOccupancy({-12.0, -12.0}, 120, 120, 0.2);
+  const double evidence = map.evidenceInLtrs(1);
+  const std::size_t unpacked = map.ltrMemory().unpacked_bytes;
+  ASSERT_EQ(map.ltrMemory().packed_bytes, 0U);
+  map.insert(beam({200.0, 0.0, 0.0}, 6.0));
+  EXPECT_EQ(map.ltrMemory().unpacked_bytes, 0U);
+  EXPECT_EQ(map.ltrMemory().packed_from_bytes, unpacked);
+  EXPECT_LT(map.ltrMemory().packed_bytes, unpacked / 5);
+  const auto after = map.renderOccupancy({-12.0, -12.0}, 120, 120, 0.2);
+  EXPECT_EQ(std::memcmp(before.data(), after.data(), before.size() * sizeof(float)), 0);
+  EXPECT_EQ(map.evidenceInLtrs(1), evidence);
+  EXPECT_EQ(map.ltrMemory().unpacked_bytes, unpacked);
 }
 
 TEST(HybridMap, BeginsAnewAfterAReset) {

@@ -1,0 +1,37 @@
+#include "hybrid_map/cell_store.h"
+
+#include <algorithm>
+
+namespace hymm::core {
+
+CellStore::CellStore(const LayerSet& layers, int cells)
+    : cells_(cells),
+      layers_(std::size_t(layers.count())),
+      revisions_(std::size_t(layers.count()), 0) {}
+
+void CellStore::pack() {
+  for (Layer& layer : layers_) {
+    if (layer.content.empty()) continue;
+    layer.packed = PackedFloats(layer.content);
+    layer.content = std::vector<float>();  // its memory is given back, as clear() would not
+  }
+}
+
+void CellStore::unpack(Layer& layer) {
+  layer.content = layer.packed.unpack();
+  layer.packed = {};
+}
+
+std::uint64_t CellStore::lastRevision() const {
+  return *std::max_element(revisions_.begin(), revisions_.end());
+}
+
+void CellStore::addMemory(CellMemory& sum) const {
+  for (const Layer& layer : layers_) {
+    sum.unpacked_bytes += layer.content.capacity() * sizeof(float);
+    sum.packed_bytes += layer.packed.bytes();
+    sum.packed_from_bytes += layer.packed.unpackedBytes();
+  }
+}
+
+}  // namespace hymm::core
