@@ -39,7 +39,7 @@ function(hymm_add_test name)
   gtest_discover_tests(${name}
     DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT}
-      ENVIRONMENT "HYMM_SOURCE_DIR=${CMAKE_SOURCE_DIR}"
+      ENVIRONMENT "HYMM_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
       # Property tests draw the same cases in every run.
       ENVIRONMENT_MODIFICATION "RC_PARAMS=set:seed=1")
 endfunction()
