@@ -303,6 +303,9 @@ int CompressedEkf::append(const Vector2d& position,
 }
 
 void CompressedEkf::remove(int slot) {
+  if (slot < 0 || slot >= static_cast<int>(rows_.size()) || rowOf(slot) == kFree) {
+    throw std::invalid_argument("There is no landmark in slot " + std::to_string(slot));
+  }
   const int row = rowOf(slot);
   if (row >= 0) {
     flushMotion();

@@ -111,7 +111,8 @@ class CompressedEkf {
   int append(const Eigen::Vector2d& position, const Eigen::Matrix<double, 2, Eigen::Dynamic>& G,
              const Eigen::Matrix2d& noise);
 
-  /// Takes a landmark out of the state (marginalises it).
+  /// Takes a landmark out of the state (marginalises it). Throws std::invalid_argument if there is
+  /// none in this slot.
   void remove(int slot);
 
   /// Replaces vehicle states [first, first + value.size()) by `value` = g(vehicle, z), of Jacobian

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -105,6 +106,15 @@ TEST(CompressedEkf, StaysValidUnderObservationsThatClaimToBeNearlyExact) {
   P.bottomRightCorner(2, 2) = one.filter.covariance(one.slot, one.slot);
   EXPECT_TRUE(isSemiDefiniteCovariance(P));
   EXPECT_TRUE(one.filter.vehicle().allFinite());
+}
+
+TEST(CompressedEkf, RefusesToRemoveALandmarkThatIsNotThere) {
+  OneLandmark one;
+  EXPECT_THROW(one.filter.remove(one.slot + 1), std::invalid_argument);
+  EXPECT_THROW(one.filter.remove(-1), std::invalid_argument);
+  one.filter.remove(one.slot);
+  EXPECT_THROW(one.filter.remove(one.slot), std::invalid_argument);
+  EXPECT_EQ(one.filter.landmarkCount(), 0U);
 }
 
 // --- Observation sets
