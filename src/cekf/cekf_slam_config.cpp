@@ -37,8 +37,11 @@ void AssociationConfig::describe(ConfigSchema& schema) {
               "its nearest landmark",
               {"joint", "nearest"});
   schema.number("individual_probability", individual_probability, kGateProbability,
-                "chi-square gate of a single observation; its quantile is also what leaving an "
-                "observation out costs");
+                "chi-square gate of a single observation. Wide, since an error of the vehicle's "
+                "prediction shifts all observations of a scan: whether they fit is for the joint "
+                "gate to say");
+  schema.number("unpaired_probability", unpaired_probability, kGateProbability,
+                "its chi-square quantile is what leaving an observation out costs");
   schema.number("joint_probability", joint_probability, kGateProbability,
                 "chi-square gate of all observations of a scan together");
   schema.number("new_landmark_probability", new_landmark_probability, kGateProbability,

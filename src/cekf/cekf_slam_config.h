@@ -19,8 +19,8 @@ struct ActiveAreaConfig {
 
 /// How a scan corrects the state.
 struct UpdateConfig {
-  std::string linearisation = "latest";  ///< or "first_estimates"
-  int max_iterations = 3;                ///< of one update, with "latest"
+  std::string linearisation = "first_estimates";  ///< or "latest"
+  int max_iterations = 3;                         ///< of one update, with "latest"
 
   bool atFirstEstimates() const { return linearisation == "first_estimates"; }
   void describe(ConfigSchema& schema);
@@ -29,7 +29,8 @@ struct UpdateConfig {
 /// Which observation belongs to which landmark.
 struct AssociationConfig {
   std::string method = "joint";              ///< or "nearest"
-  double individual_probability = 0.99;      ///< chi-square gate of one observation
+  double individual_probability = 0.9999;    ///< chi-square gate of one observation
+  double unpaired_probability = 0.99;        ///< of the quantile that leaving one out costs
   double joint_probability = 0.99;           ///< chi-square gate of a whole scan
   double new_landmark_probability = 0.9999;  ///< an observation inside this gate is no new landmark
   double identity_probability = 0.999999;    ///< gate of observations with a known identity

@@ -44,7 +44,8 @@ ScanAssociator::ScanAssociator(const AssociationConfig& config, bool at_first_es
       individual_gate_(chiSquareQuantile(config.individual_probability, 2)),
       new_landmark_gate_(chiSquareQuantile(config.new_landmark_probability, 2)),
       identity_gate_(chiSquareQuantile(config.identity_probability, 2)),
-      joint_({individual_gate_, config.joint_probability, config.max_nodes}) {}
+      joint_({chiSquareQuantile(config.unpaired_probability, 2), config.joint_probability,
+              config.max_nodes}) {}
 
 SparseMeasurement ScanAssociator::measurementOf(const Observation& observation,
                                                 const SensorPlacement& sensor,
