@@ -9,9 +9,10 @@ CellStore::CellStore(const LayerSet& layers, int cells)
       layers_(std::size_t(layers.count())),
       revisions_(std::size_t(layers.count()), 0) {}
 
-void CellStore::pack() {
-  for (Layer& layer : layers_) {
-    if (layer.content.empty()) continue;
+void CellStore::pack(std::uint64_t since_revision) {
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    Layer& layer = layers_[i];
+    if (layer.content.empty() || revisions_[i] >= since_revision) continue;
     layer.packed = PackedFloats(layer.content);
     layer.content = std::vector<float>();  // its memory is given back, as clear() would not
   }

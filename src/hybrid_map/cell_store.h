@@ -42,8 +42,8 @@ class CellStore {
   /// All cells of a layer, the channels of each side by side; empty if it was never written.
   const std::vector<float>& content(int layer) const { return unpacked(layer); }
 
-  /// Compresses what is not.
-  void pack();
+  /// Compresses layers that were not written since a revision.
+  void pack(std::uint64_t since_revision);
 
   /// The map's revision when the layer was last written; 0: never.
   std::uint64_t revision(int layer) const { return revisions_[std::size_t(layer)]; }

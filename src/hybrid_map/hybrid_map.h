@@ -119,8 +119,9 @@ class HybridMap {
   double evidenceInLtrs(int layer) const;
   double evidenceWaiting(int layer) const;
 
-  /// Memory of the cells of all LTRs, and of what waits for one. Beyond active_radius_m of the last
-  /// scan they are compressed, and unpacked where they are looked at or written again.
+  /// Memory of the cells of all LTRs, and of what waits for one. Those beyond active_radius_m of
+  /// the vehicle that were not written lately are compressed, and unpacked where they are looked at
+  /// or written again.
   CellMemory ltrMemory() const;
   CellMemory waitingMemory() const;
 

@@ -17,7 +17,7 @@ void LandmarkPlaces::apply(const LandmarkUpdate& update) {
 std::optional<Eigen::Vector2d> LandmarkPlaces::find(int id) const {
   // No chain of merges is longer than their number, unless it runs in a circle.
   for (std::size_t steps = 0; steps <= merged_into_.size(); ++steps) {
-    if (const auto place = findUnmerged(id)) return place;
+    if (auto place = findUnmerged(id)) return place;
     const auto merged = merged_into_.find(id);
     if (merged == merged_into_.end()) break;
     id = merged->second;

@@ -4,6 +4,13 @@
 #include <cmath>
 
 namespace hymm::core {
+namespace {
+
+// Inputs for which cells stay unpacked after they were written: where sensors are far apart,
+// nothing is packed and unpacked in turns.
+constexpr std::uint64_t kIdleInputs = 100;
+
+}  // namespace
 
 LayerWriter::LayerWriter(const HybridMapConfig& config, const LayerSet& layers)
     : config_(config), layers_(layers), waiting_(config.waiting, layers, config.resolution_m) {}
@@ -111,15 +118,16 @@ CellMemory LayerWriter::memory() const {
 
 void LayerWriter::packBeyond(const LtrPartition& partition, const Eigen::Vector2d& place,
                              double radius_m) {
+  const std::uint64_t since = revision_ > kIdleInputs ? revision_ - kIdleInputs : 0;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     if (cells_[i] == nullptr) continue;
     const Corners corners = partition.mesh().corners(static_cast<int>(i));
     const bool is_near = std::any_of(corners.begin(), corners.end(), [&](const auto& corner) {
       return (corner - place).norm() <= radius_m;
     });
-    if (!is_near) cells_[i]->store.pack();
+    if (!is_near) cells_[i]->store.pack(since);
   }
-  waiting_.packBeyond(place, radius_m);
+  waiting_.packBeyond(place, radius_m, since);
 }
 
 }  // namespace hymm::core

@@ -44,7 +44,8 @@ class LayerWriter {
   double evidence(int layer) const;
   CellMemory memory() const;
 
-  /// Compresses LTRs and tiles of which no part is within `radius_m` of a place.
+  /// Compresses LTRs and tiles of which no vertex is within `radius_m` of a place and which were
+  /// not written lately.
   void packBeyond(const LtrPartition& partition, const Eigen::Vector2d& place, double radius_m);
 
  private:

@@ -188,14 +188,15 @@ CellMemory WaitingTiles::memory() const {
   return memory;
 }
 
-void WaitingTiles::packBeyond(const Eigen::Vector2d& place, double radius_m) {
+void WaitingTiles::packBeyond(const Eigen::Vector2d& place, double radius_m,
+                              std::uint64_t since_revision) {
   last_tile_ = nullptr;
   const double tile_m = kTileCells * resolution_m_;
   for (Sheet& sheet : sheets_) {
     for (auto& [at, tile] : sheet.tiles) {
       const Eigen::Vector2d middle(at.first + 0.5, at.second + 0.5);
       const Eigen::Vector2d centre = sheet.T_map_sheet * (tile_m * middle);
-      if ((centre - place).norm() > radius_m + tile_m) tile.pack();
+      if ((centre - place).norm() > radius_m + tile_m) tile.pack(since_revision);
     }
   }
 }

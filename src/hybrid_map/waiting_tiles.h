@@ -57,8 +57,8 @@ class WaitingTiles {
   /// many.
   std::size_t dropBeyondLimit();
 
-  /// Compresses tiles beyond `radius_m` of a place.
-  void packBeyond(const Eigen::Vector2d& place, double radius_m);
+  /// Compresses tiles beyond `radius_m` of a place that were not written since a revision.
+  void packBeyond(const Eigen::Vector2d& place, double radius_m, std::uint64_t since_revision);
 
   CellMemory memory() const;
   bool isEmpty() const { return sheets_.empty(); }

@@ -374,7 +374,7 @@ TEST(HybridMap, PacksWhatIsFarAndUnpacksItWithoutLoss) {
   const double evidence = map.evidenceInLtrs(1);
   const std::size_t unpacked = map.ltrMemory().unpacked_bytes;
   ASSERT_EQ(map.ltrMemory().packed_bytes, 0U);
-  map.insert(beam({200.0, 0.0, 0.0}, 6.0));
+  for (int i = 0; i < 120; ++i) map.insert(beam({200.0 + 6.0 * i, 0.0, 0.0}, 5.0));
   EXPECT_EQ(map.ltrMemory().unpacked_bytes, 0U);
   EXPECT_EQ(map.ltrMemory().packed_from_bytes, unpacked);
   EXPECT_LT(map.ltrMemory().packed_bytes, unpacked / 5);
