@@ -124,19 +124,20 @@ MatrixXd CompressedEkf::measurementTimesCovariance(const SparseMeasurement& meas
   const int n = states(), nv = vehicle_states_;
   MatrixXd HP = MatrixXd::Zero(2, n);
   if (measurement.H_vehicle.cols() > 0) {
-    HP.leftCols(nv) += measurement.H_vehicle * symmetric(P_, nv);
-    HP.rightCols(n - nv) += measurement.H_vehicle * P_.block(nv, 0, n - nv, nv).transpose();
+    HP.leftCols(nv) += measurement.H_vehicle.lazyProduct(MatrixXd(symmetric(P_, nv)));
+    HP.rightCols(n - nv) +=
+        measurement.H_vehicle.lazyProduct(P_.block(nv, 0, n - nv, nv).transpose());
   }
   for (int k = 0; k < 2; ++k) {
     if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
     const int row = rowOf(measurement.landmarks[k]);
     const Matrix2d& H = measurement.H_landmarks[k];
-    HP.leftCols(row) += H * P_.block(row, 0, 2, row);
+    HP.leftCols(row) += H.lazyProduct(P_.block(row, 0, 2, row));
     Matrix2d own = P_.block<2, 2>(row, row);
     own(0, 1) = own(1, 0);
     HP.middleCols<2>(row) += H * own;
     const int below = n - row - 2;
-    HP.rightCols(below) += H * P_.block(row + 2, row, below, 2).transpose();
+    HP.rightCols(below) += H.lazyProduct(P_.block(row + 2, row, below, 2).transpose());
   }
   return HP;
 }
@@ -152,19 +153,6 @@ MatrixXd CompressedEkf::measurementTimesPhi(const SparseMeasurement& measurement
     Hphi += measurement.H_landmarks[k] * phi_.block(row, 0, 2, origin_states_);
   }
   return Hphi;
-}
-
-Matrix2d CompressedEkf::timesMeasurementTransposed(const MatrixXd& HP,
-                                                   const SparseMeasurement& measurement) const {
-  Matrix2d S = Matrix2d::Zero();
-  if (measurement.H_vehicle.cols() > 0) {
-    S += HP.leftCols(vehicle_states_) * measurement.H_vehicle.transpose();
-  }
-  for (int k = 0; k < 2; ++k) {
-    if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
-    S += HP.middleCols<2>(rowOf(measurement.landmarks[k])) * measurement.H_landmarks[k].transpose();
-  }
-  return S;
 }
 
 Matrix2d CompressedEkf::innovationCovariance(const SparseMeasurement& a,
@@ -194,20 +182,54 @@ Matrix2d CompressedEkf::innovationCovariance(const SparseMeasurement& a,
   return S;
 }
 
+MatrixXd CompressedEkf::measurementsTimesCovariance(
+    const std::vector<SparseMeasurement>& measurements) const {
+  MatrixXd HP(2 * static_cast<Eigen::Index>(measurements.size()), states());
+  for (std::size_t k = 0; k < measurements.size(); ++k) {
+    HP.middleRows<2>(2 * static_cast<Eigen::Index>(k)) =
+        measurementTimesCovariance(measurements[k]);
+  }
+  return HP;
+}
+
+MatrixXd CompressedEkf::timesMeasurementsTransposed(
+    const MatrixXd& HP, const std::vector<SparseMeasurement>& measurements) const {
+  const auto m = static_cast<int>(HP.rows());
+  MatrixXd S(m, m);
+  for (int j = 0; j < m; j += 2) {
+    // Rows from j on: the block column below and on the diagonal.
+    const SparseMeasurement& column = measurements[static_cast<std::size_t>(j / 2)];
+    auto block = S.block(j, j, m - j, 2);
+    block.setZero();
+    if (column.H_vehicle.cols() > 0) {
+      block +=
+          HP.bottomLeftCorner(m - j, vehicle_states_).lazyProduct(column.H_vehicle.transpose());
+    }
+    for (int k = 0; k < 2; ++k) {
+      if (column.landmarks[k] == SparseMeasurement::kNone) continue;
+      block += HP.block(j, rowOf(column.landmarks[k]), m - j, 2)
+                   .lazyProduct(column.H_landmarks[k].transpose());
+    }
+  }
+  return S;
+}
+
+MatrixXd CompressedEkf::innovationCovariance(
+    const std::vector<SparseMeasurement>& measurements) const {
+  flushMotion();
+  return timesMeasurementsTransposed(measurementsTimesCovariance(measurements), measurements);
+}
+
 std::optional<CompressedEkf::Linearised> CompressedEkf::linearise(
     const std::vector<SparseMeasurement>& measurements) const {
   flushMotion();
   const int m = 2 * static_cast<int>(measurements.size());
-  Linearised result{MatrixXd(m, states()), MatrixXd(m, m), VectorXd(m)};
+  Linearised result{measurementsTimesCovariance(measurements), MatrixXd(), VectorXd(m)};
+  result.L = timesMeasurementsTransposed(result.HP, measurements);
   VectorXd innovations(m);
   for (int k = 0; k < m; k += 2) {
     const SparseMeasurement& row = measurements[static_cast<std::size_t>(k / 2)];
-    result.HP.middleRows<2>(k) = measurementTimesCovariance(row);
     innovations.segment<2>(k) = row.innovation;
-    for (int j = 0; j <= k; j += 2) {
-      result.L.block<2, 2>(k, j) = timesMeasurementTransposed(
-          result.HP.middleRows<2>(k), measurements[static_cast<std::size_t>(j / 2)]);
-    }
     result.L.block<2, 2>(k, k) += row.noise;
   }
   const Eigen::LLT<Eigen::Ref<MatrixXd>, Eigen::Lower> llt(result.L);

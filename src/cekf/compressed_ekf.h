@@ -98,7 +98,10 @@ class CompressedEkf {
     return states.segment<2>(rowOf(slot));
   }
 
-  /// Innovation covariance block between two measurements of active landmarks, without noise.
+  /// Innovation covariance of measurements of active landmarks, without noise: 2x2 blocks in their
+  /// order, lower triangle.
+  Eigen::MatrixXd innovationCovariance(const std::vector<SparseMeasurement>& measurements) const;
+  /// A block of it between two measurements.
   Eigen::Matrix2d innovationCovariance(const SparseMeasurement& a,
                                        const SparseMeasurement& b) const;
 
@@ -182,8 +185,12 @@ class CompressedEkf {
   /// H * P (2 x states) and H * phi (2 x origin states) of one measurement.
   Eigen::MatrixXd measurementTimesCovariance(const SparseMeasurement& measurement) const;
   Eigen::MatrixXd measurementTimesPhi(const SparseMeasurement& measurement) const;
-  Eigen::Matrix2d timesMeasurementTransposed(const Eigen::MatrixXd& HP,
-                                             const SparseMeasurement& measurement) const;
+  /// The same of all, one below the other.
+  Eigen::MatrixXd measurementsTimesCovariance(
+      const std::vector<SparseMeasurement>& measurements) const;
+  /// Lower triangle of HP * H'.
+  Eigen::MatrixXd timesMeasurementsTransposed(
+      const Eigen::MatrixXd& HP, const std::vector<SparseMeasurement>& measurements) const;
 
   std::optional<Linearised> linearise(const std::vector<SparseMeasurement>& measurements) const;
   /// W_b': covariance between the origin states and a passive landmark at the last global update.

@@ -195,18 +195,16 @@ void ScanAssociator::chooseJointly(const std::vector<Candidate>& candidates,
                                    const CompressedEkf& filter, ScanAssociation& result) const {
   const auto n = static_cast<Eigen::Index>(candidates.size());
   std::vector<Pairing> pairings;
-  Eigen::MatrixXd S(2 * n, 2 * n);
-  for (Eigen::Index a = 0; a < n; ++a) {
-    const Candidate& row = candidates[static_cast<std::size_t>(a)];
-    pairings.push_back(row.pairing);
-    for (Eigen::Index b = 0; b <= a; ++b) {
-      Matrix2d block = filter.innovationCovariance(
-          row.measurement, candidates[static_cast<std::size_t>(b)].measurement);
-      if (a == b) block += row.measurement.noise;
-      S.block<2, 2>(2 * a, 2 * b) = block;
-      S.block<2, 2>(2 * b, 2 * a) = block.transpose();
-    }
+  std::vector<SparseMeasurement> measurements;
+  for (const Candidate& candidate : candidates) {
+    pairings.push_back(candidate.pairing);
+    measurements.push_back(candidate.measurement);
   }
+  Eigen::MatrixXd S = filter.innovationCovariance(measurements);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    S.block<2, 2>(2 * k, 2 * k) += measurements[static_cast<std::size_t>(k)].noise;
+  }
+  S = Eigen::MatrixXd(S.selfadjointView<Eigen::Lower>());
   const JointHypothesis best = joint_.find(pairings, S, static_cast<int>(result.slots.size()));
   result.complete = best.complete;
   for (std::size_t i = 0; i < result.slots.size(); ++i) {
