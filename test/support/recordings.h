@@ -8,10 +8,11 @@
 
 namespace hymm::test {
 
-/// Path of a public recording below $HYMM_DATA; empty where that is not set.
+/// Path of a public recording below $HYMM_DATA; empty where that is not set, or empty.
 inline std::filesystem::path recording(const std::string& name) {
   const char* root = std::getenv("HYMM_DATA");
-  return root == nullptr ? std::filesystem::path() : std::filesystem::path(root) / name;
+  return root == nullptr || *root == '\0' ? std::filesystem::path()
+                                       : std::filesystem::path(root) / name;
 }
 
 }  // namespace hymm::test
