@@ -99,20 +99,26 @@ class CekfSlam::Impl {
                         isCovariance(fix.covariance) && fix.antenna.allFinite();
     if (usable) estimate_.vehicle.moveTo(estimate_.filter, fix.time_s);
     const bool was_aligned = estimate_.gps->isAligned();
-    if (usable && estimate_.gps->process(fix, estimate_.filter)) {
+    std::optional<UpdateOutcome> update;
+    if (usable) update = estimate_.gps->process(fix, estimate_.filter);
+    if (update) {
       ++counts_.gps_used;
+      if (update->largest_landmark_move_m > config_.large_correction_m) {
+        life_cycle_.refreshActive(estimate_.filter);
+        spreadCorrection();
+      }
     } else if (!usable || was_aligned) {
       ++counts_.gps_rejected;
     }
   }
 
   void reset() {
+    estimate_.filter.finishGlobalUpdate();
     ++counts_.resets;
     ++version_;
     life_cycle_.clear();
     area_.reset();
     past_gaps_ += estimate_.vehicle.gaps();
-    estimate_.filter.finishGlobalUpdate();
     past_worker_s_ += estimate_.filter.workerCpu_s();
     estimate_ = newEstimate();
     settled_updates_ = 0;
@@ -162,9 +168,13 @@ class CekfSlam::Impl {
   }
 
   LandmarkMap landmarkMap(double block_range_m) {
-    std::promise<LandmarkMap> promise;
-    requestMap(block_range_m, [&](LandmarkMap map) { promise.set_value(std::move(map)); });
-    return promise.get_future().get();
+    // Held by the job alone: should that fail, get() throws.
+    auto promise = std::make_shared<std::promise<LandmarkMap>>();
+    std::future<LandmarkMap> map = promise->get_future();
+    requestMap(block_range_m, [promise = std::move(promise)](LandmarkMap made) {
+      promise->set_value(std::move(made));
+    });
+    return map.get();
   }
 
   bool hasLandmark(int id) const { return life_cycle_.registry().contains(id); }
@@ -359,8 +369,16 @@ class CekfSlam::Impl {
     area_.demandUpdate();
     if (!config_.update.atFirstEstimates()) return;
     ++counts_.first_estimate_resets;
-    life_cycle_.resetFirstEstimates();
+    life_cycle_.resetFirstEstimates(estimate_.filter);
     estimate_.vehicle.resetFirstEstimate(estimate_.filter);
+  }
+
+  /// Takes over what a global update that is done has made of the passive landmarks.
+  void refreshIfSettled() {
+    if (estimate_.filter.isGlobalUpdatePending()) return;
+    if (estimate_.filter.globalUpdatesDone() == settled_updates_) return;
+    settled_updates_ = estimate_.filter.globalUpdatesDone();
+    life_cycle_.refreshSettled(estimate_.filter);
   }
 
   void keepActiveArea() {
@@ -368,12 +386,9 @@ class CekfSlam::Impl {
     if (area_.follow(VehicleState::pose(estimate_.filter).position())) {
       life_cycle_.dropUnconfirmed(last_scan_s_, estimate_.filter);
     }
+    refreshIfSettled();
     area_.updateIfDue(estimate_.filter);
-    const bool pending = estimate_.filter.isGlobalUpdatePending();
-    if (!pending && estimate_.filter.globalUpdatesDone() != settled_updates_) {
-      settled_updates_ = estimate_.filter.globalUpdatesDone();
-      life_cycle_.refreshSettled(estimate_.filter);
-    }
+    refreshIfSettled();
     inline_worker_s_ += estimate_.filter.workerCpu_s() - worker_s;
   }
 

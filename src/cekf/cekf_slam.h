@@ -122,8 +122,8 @@ class CekfSlam {
   std::uint64_t mapVersion() const;
   std::size_t landmarkCount() const;
 
-  /// Hands all landmarks as they are now (one epoch) to `take`, on the worker's thread, at the
-  /// latest when the engine is reset or destroyed. Cross-covariances for pairs no farther apart
+  /// Hands all landmarks as they are now (one epoch) to `take`, on the worker's thread, unless
+  /// the engine is destroyed before. Cross-covariances for pairs no farther apart
   /// than `block_range_m` (0: none).
   void requestMap(double block_range_m, std::function<void(LandmarkMap)> take);
   /// The same, and waits for it.

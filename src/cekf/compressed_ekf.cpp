@@ -378,11 +378,12 @@ void CompressedEkf::initialiseVehicleStates(int first, const VectorXd& value, co
 
 bool CompressedEkf::globalUpdate() {
   if (store_->isUpdating()) return false;
-  store_->startUpdate(effectSoFar());
+  IntervalEffect effect = effectSoFar();
   for (const int slot : active_slots_) rows_[static_cast<std::size_t>(slot)] = kPassive;
   free_slots_.insert(free_slots_.end(), retired_slots_.begin(), retired_slots_.end());
   retired_slots_.clear();
   startInterval();
+  store_->startUpdate(std::move(effect));
   return true;
 }
 

@@ -134,7 +134,6 @@ class CompressedEkf {
   /// Number of global updates done, and where the last one put a passive landmark, with the trace
   /// of its covariance. Unlike landmark(), without what was accumulated since.
   std::size_t globalUpdatesDone() const { return store_->updatesDone(); }
-  bool isSettled(int slot) const { return storeIndex(slot) + 1 < store_->states().size(); }
   Eigen::Vector2d settledPosition(int slot) const {
     return store_->states().segment<2>(storeIndex(slot));
   }

@@ -24,14 +24,14 @@ GpsDatum::GpsDatum(const GpsConfig& config, int first_state)
       first_state_(first_state),
       gate_(chiSquareQuantile(config.gate_probability, 2)) {}
 
-bool GpsDatum::process(const GpsFix& fix, CompressedEkf& filter) {
+std::optional<UpdateOutcome> GpsDatum::process(const GpsFix& fix, CompressedEkf& filter) {
   if (aligned_) return update(fix, filter);
   collect(fix, filter);
-  if (samples_.size() < static_cast<std::size_t>(config_.alignment_fixes)) return false;
+  if (samples_.size() < static_cast<std::size_t>(config_.alignment_fixes)) return std::nullopt;
   const Vector2d baseline = samples_.back().fix - samples_.front().fix;
-  if (baseline.norm() < config_.alignment_baseline_m) return false;
+  if (baseline.norm() < config_.alignment_baseline_m) return std::nullopt;
   align(fix, filter);
-  return true;
+  return UpdateOutcome{};
 }
 
 void GpsDatum::collect(const GpsFix& fix, const CompressedEkf& filter) {
@@ -80,7 +80,7 @@ void GpsDatum::align(const GpsFix& fix, CompressedEkf& filter) {
   samples_.clear();
 }
 
-bool GpsDatum::update(const GpsFix& fix, CompressedEkf& filter) const {
+std::optional<UpdateOutcome> GpsDatum::update(const GpsFix& fix, CompressedEkf& filter) const {
   const Pose2 pose = VehicleState::pose(filter);
   const Eigen::VectorXd state = filter.vehicle();
   const Pose2 T_map_enu = Pose2::fromVector(state.segment<3>(first_state_));
@@ -100,8 +100,9 @@ bool GpsDatum::update(const GpsFix& fix, CompressedEkf& filter) const {
 
   const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise;
   const double distance2 = measurement.innovation.dot(S.inverse() * measurement.innovation);
-  if (!(distance2 <= gate_)) return false;
-  return std::isfinite(filter.update({measurement}).nis);
+  if (!(distance2 <= gate_)) return std::nullopt;
+  const UpdateOutcome outcome = filter.update({measurement});
+  return std::isfinite(outcome.nis) ? std::optional(outcome) : std::nullopt;
 }
 
 Matrix2d GpsDatum::noiseOf(const GpsFix& fix) const {

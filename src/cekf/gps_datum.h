@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,8 +19,9 @@ class GpsDatum {
   /// `first_state`: index of T_map_enu = (x, y, yaw) among the vehicle's states.
   GpsDatum(const GpsConfig& config, int first_state);
 
-  /// Takes in a fix at the filter's present time. Returns whether it was used.
-  bool process(const GpsFix& fix, CompressedEkf& filter);
+  /// Takes in a fix at the filter's present time. Returns what it did, or nothing if it was not
+  /// used.
+  std::optional<UpdateOutcome> process(const GpsFix& fix, CompressedEkf& filter);
 
   bool isAligned() const { return aligned_; }
 
@@ -31,7 +33,7 @@ class GpsDatum {
 
   void collect(const GpsFix& fix, const CompressedEkf& filter);
   void align(const GpsFix& fix, CompressedEkf& filter);
-  bool update(const GpsFix& fix, CompressedEkf& filter) const;
+  std::optional<UpdateOutcome> update(const GpsFix& fix, CompressedEkf& filter) const;
   Eigen::Matrix2d noiseOf(const GpsFix& fix) const;
 
   GpsConfig config_;

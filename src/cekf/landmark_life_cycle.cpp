@@ -229,6 +229,7 @@ double LandmarkLifeCycle::fuse(int id_kept, int id_gone, CompressedEkf& filter) 
   same_place.H_landmarks[1] = -Matrix2d::Identity();
   same_place.noise = kFusionVariance * Matrix2d::Identity();
   const UpdateOutcome outcome = filter.update({same_place});
+  if (!std::isfinite(outcome.nis)) return 0.0;
 
   kept.observations += gone.observations;
   kept.farthest_seen_m = std::max(kept.farthest_seen_m, gone.farthest_seen_m);
@@ -256,6 +257,7 @@ void LandmarkLifeCycle::refreshActive(const CompressedEkf& filter) {
   for (const int slot : filter.activeSlots()) {
     RegisteredLandmark& landmark = registry_.bySlot(slot);
     registry_.move(landmark, filter.landmark(slot));
+    landmark.is_first_estimate_open = false;
     changed_ids_.insert(landmark.id);
   }
 }
@@ -263,9 +265,10 @@ void LandmarkLifeCycle::refreshActive(const CompressedEkf& filter) {
 void LandmarkLifeCycle::refreshSettled(const CompressedEkf& filter) {
   for (RegisteredLandmark& landmark : registry_.slots()) {
     const int slot = landmark.slot;
-    if (landmark.id < 0 || filter.isActive(slot) || !filter.isSettled(slot)) continue;
+    if (landmark.id < 0 || filter.isActive(slot)) continue;
     landmark.deviation_m = std::sqrt(filter.settledVariance(slot));
     const Vector2d position = filter.settledPosition(slot);
+    if (landmark.is_first_estimate_open) landmark.first_estimate = position;
     if ((position - landmark.position).norm() > kNoticeableMove_m) {
       registry_.move(landmark, position);
     }
@@ -276,13 +279,18 @@ void LandmarkLifeCycle::refreshSettled(const CompressedEkf& filter) {
 void LandmarkLifeCycle::refreshNear(const Vector2d& centre, double radius_m,
                                     const CompressedEkf& filter) {
   for (const int slot : registry_.slotsNear(centre, radius_m)) {
-    registry_.move(registry_.bySlot(slot), filter.landmark(slot));
+    RegisteredLandmark& landmark = registry_.bySlot(slot);
+    registry_.move(landmark, filter.landmark(slot));
+    if (landmark.is_first_estimate_open) landmark.first_estimate = landmark.position;
   }
 }
 
-void LandmarkLifeCycle::resetFirstEstimates() {
-  for (RegisteredLandmark& landmark : registry_.slots())
+void LandmarkLifeCycle::resetFirstEstimates(const CompressedEkf& filter) {
+  for (RegisteredLandmark& landmark : registry_.slots()) {
+    if (landmark.id < 0) continue;
     landmark.first_estimate = landmark.position;
+    landmark.is_first_estimate_open = !filter.isActive(landmark.slot);
+  }
 }
 
 LandmarkLifeCycle::Changes LandmarkLifeCycle::takeChanges() {

@@ -55,8 +55,9 @@ class LandmarkLifeCycle {
   void refreshSettled(const CompressedEkf& filter);
   /// Takes over the filter's positions of all landmarks within `radius_m`, active or not.
   void refreshNear(const Eigen::Vector2d& centre, double radius_m, const CompressedEkf& filter);
-  /// Lets Jacobians be taken at the present estimates from now on.
-  void resetFirstEstimates();
+  /// Lets Jacobians be taken at the present estimates from now on; those of passive landmarks at
+  /// what global updates make of them until they are seen again.
+  void resetFirstEstimates(const CompressedEkf& filter);
 
   void clear();
 

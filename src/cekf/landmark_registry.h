@@ -26,6 +26,9 @@ struct RegisteredLandmark {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< last known; the filter's is the truth
   double deviation_m = 0.0;  ///< bound of its deviation in the map; may lag behind the filter's
   Eigen::Vector2d first_estimate = Eigen::Vector2d::Zero();  ///< where Jacobians may be taken
+  /// Reset while passive: the first estimate is wherever global updates put the landmark until it
+  /// is seen again.
+  bool is_first_estimate_open = false;
 };
 
 /// All landmarks of the map, found by id, slot, identity or place.

@@ -96,7 +96,9 @@ void PassiveStore::finish() {
 }
 
 void PassiveStore::runJob(Job job) {
-  worker_.run([this, job = std::move(job)] { job(tiles_, *worker_states_); });
+  worker_.run([this, job = std::move(job)] {
+    if (!abandoned_) job(tiles_, *worker_states_);
+  });
 }
 
 Vector2d PassiveStore::state(int index) const {

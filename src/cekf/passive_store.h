@@ -28,7 +28,7 @@ class PassiveStore {
   /// With an inline worker the update is done when startUpdate() returns, and the same calls give
   /// the same bits.
   explicit PassiveStore(SerialWorker::Mode mode);
-  /// Abandons an update under way.
+  /// Abandons an update under way, and jobs not yet begun.
   ~PassiveStore() { abandoned_ = true; }
   PassiveStore(const PassiveStore&) = delete;
   PassiveStore& operator=(const PassiveStore&) = delete;

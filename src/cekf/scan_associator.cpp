@@ -131,7 +131,7 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
   const Matrix2d own = G * P_vv * G.transpose() + located.G_measurement * observation.covariance *
                                                       located.G_measurement.transpose();
   // The deviation of a difference is at most the sum of both deviations.
-  const double gate = std::sqrt(new_landmark_gate_);
+  const double gate = std::sqrt(std::max(new_landmark_gate_, individual_gate_));
   const double own_reach_m = kSearchMargin_m + gate * largestDeviation(own);
   const double reach_m = own_reach_m + gate * registry.largestDeviation();
 
@@ -140,6 +140,10 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
     const RegisteredLandmark& landmark = registry.bySlot(slot);
     const double distance_m = (landmark.position - located.position).norm();
     if (distance_m > own_reach_m + gate * landmark.deviation_m) continue;
+    if (std::find(result.slots.begin(), result.slots.end(), slot) != result.slots.end()) {
+      result.claimed[i] = true;  // by an observation that tells its identity
+      continue;
+    }
     filter.activate(slot);
     Candidate candidate;
     candidate.measurement = measurementOf(observation, sensor, landmark, filter);
@@ -147,12 +151,12 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
                        candidate.measurement.noise;
     const Vector2d& innovation = candidate.measurement.innovation;
     const double distance2 = innovation.dot(S.inverse() * innovation);
-    if (distance2 <= new_landmark_gate_) result.claimed[i] = true;
+    if (distance2 <= std::max(new_landmark_gate_, individual_gate_)) result.claimed[i] = true;
     if (distance2 > individual_gate_ || !sameKind(observation.type, landmark.type)) continue;
     const double cue = config_.use_diameter
                            ? diameterCost(observation, landmark, config_.diameter_irregularity_m)
                            : 0.0;
-    if (cue > individual_gate_) continue;
+    if (cue > joint_.limits().unpaired_cost) continue;
     candidate.pairing = {observation_index, slot, innovation, cue};
     candidate.distance2 = distance2;
     candidates.push_back(candidate);
@@ -181,6 +185,7 @@ void ScanAssociator::chooseNearest(const std::vector<Candidate>& candidates,
     const bool taken = std::find(result.slots.begin(), result.slots.end(),
                                  candidate->pairing.landmark) != result.slots.end();
     if (slot != ScanAssociation::kNone || taken) continue;
+    if (cost(candidate) > joint_.limits().unpaired_cost) continue;
     slot = candidate->pairing.landmark;
     own = candidate;
   }

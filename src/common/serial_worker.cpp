@@ -50,11 +50,12 @@ void SerialWorker::work() {
   while (true) {
     changed_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
     if (jobs_.empty()) return;
-    const std::function<void()> job = std::move(jobs_.front());
+    std::function<void()> job = std::move(jobs_.front());
     jobs_.pop_front();
     busy_ = true;
     lock.unlock();
     execute(job);
+    job = nullptr;  // what it holds may be large, and is freed without the lock
     lock.lock();
     busy_ = false;
     changed_.notify_all();

@@ -64,6 +64,15 @@ CekfSlamNode::~CekfSlamNode() {
 }
 
 void CekfSlamNode::work() {
+  try {
+    workOn();
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM("The filter cannot go on: " << error.what());
+    ros::shutdown();
+  }
+}
+
+void CekfSlamNode::workOn() {
   while (working_) {
     std::deque<SensorMessage> messages = queue_.takeAll(kPatience);
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -37,6 +37,7 @@ class CekfSlamNode {
 
  private:
   void work();
+  void workOn();
   void readBacklog();
   void take(const SensorMessage& message, core::SensorEvent event, double now_s);
   void process(const core::SensorEvent& event);

@@ -90,12 +90,13 @@ FilterHealth FilterOutput::healthMessage(core::CekfSlam& filter, const core::Sca
 }
 
 bool FilterOutput::mapIsDue(double time_s, bool large_correction) const {
-  return large_correction || !map_time_s_ || time_s >= *map_time_s_ + map_period_s_ ||
-         time_s < *map_time_s_;
+  return large_correction || map_is_overdue_ || !map_time_s_ ||
+         time_s >= *map_time_s_ + map_period_s_ || time_s < *map_time_s_;
 }
 
 void FilterOutput::publishMap(core::CekfSlam& filter) {
-  if (map_on_its_way_->exchange(true)) return;  // still due with the next scan
+  map_is_overdue_ = map_on_its_way_->exchange(true);
+  if (map_is_overdue_) return;
   map_version_ = filter.mapVersion();
   map_time_s_ = filter.pose().time_s;
   filter.requestMap(block_range_m_, [on_its_way = map_on_its_way_, landmarks = landmarks_,

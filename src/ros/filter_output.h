@@ -43,6 +43,7 @@ class FilterOutput {
   std::uint64_t map_version_ = 0;  ///< of the last map asked for
   std::shared_ptr<std::atomic<bool>> map_on_its_way_ = std::make_shared<std::atomic<bool>>(false);
   std::optional<double> map_time_s_;
+  bool map_is_overdue_ = false;  ///< the last one asked for was still on its way
   std::size_t map_corrections_ = 0;
   ros::Publisher observations_, landmarks_, updates_, pose_, health_;
   ros::Publisher landmark_markers_, observation_markers_;

@@ -182,7 +182,7 @@ class GpsJacobian {
     filter_->predict(state, MatrixXd::Identity(n_, n_), MatrixXd::Zero(n_, n_));
     fix_.position = inverse(T_map_enu_) * (pose * fix_.antenna) + error;
     spread_.push_back(fix_.position);
-    return datum_->process(fix_, *filter_);
+    return datum_->process(fix_, *filter_).has_value();
   }
 
   VehicleState vehicle_;

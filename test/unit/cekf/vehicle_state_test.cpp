@@ -1,5 +1,7 @@
 #include "cekf/vehicle_state.h"
 
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace hymm::core {
@@ -77,6 +79,42 @@ TEST(VehicleState, LeavesOutWhatIsKnownForCertain) {
   EXPECT_EQ(sensor.range_offset_state, -1);
   EXPECT_EQ(sensor.time_offset_state, -1);
   EXPECT_EQ(vehicle.laserCalibration(filter).deviation, Eigen::Vector3d::Zero());
+}
+
+/// Turning the whole map about its origin moves the vehicle like this, and nothing measures it.
+Eigen::VectorXd turnOfTheMap(const Pose2& pose, int states) {
+  Eigen::VectorXd turn = Eigen::VectorXd::Zero(states);
+  turn.head<3>() << -pose.y_m, pose.x_m, 1.0;
+  return turn;
+}
+
+/// Drives, is corrected, and drives on, with nothing unknown but the heading of the whole map.
+/// Returns how far its covariance then is from that of the same unknown.
+double inventedKnowledge(bool at_first_estimates) {
+  const VehicleConfig config;
+  // What the motion's noise adds is the same in both filters: the difference is the map's heading.
+  std::vector<Eigen::MatrixXd> covariances;
+  Pose2 predicted;
+  for (const double unknown : {1.0, 0.0}) {
+    VehicleState vehicle(config, false, false, at_first_estimates);
+    const Eigen::VectorXd turn = unknown * turnOfTheMap(Pose2{}, vehicle.size());
+    CompressedEkf filter(vehicle.initialState(), turn * turn.transpose());
+    vehicle.takeInput(filter, AckermannInput{0.0, 3.0, 0.2});
+    vehicle.moveTo(filter, 1.0);
+    const Eigen::VectorXd state = filter.vehicle();
+    filter.setVehicleState(0, state[0] + 0.5);
+    filter.setVehicleState(1, state[1] - 0.8);
+    vehicle.moveTo(filter, 2.0);
+    covariances.push_back(filter.vehicleCovariance());
+    predicted = vehicle.predictedPose();
+  }
+  const Eigen::VectorXd turn = turnOfTheMap(predicted, static_cast<int>(covariances[0].rows()));
+  return (covariances[0] - covariances[1] - turn * turn.transpose()).norm();
+}
+
+TEST(VehicleState, KeepsTheHeadingOfTheMapUnknownAtFirstEstimatesOnly) {
+  EXPECT_LT(inventedKnowledge(true), 1e-9);
+  EXPECT_GT(inventedKnowledge(false), 0.1);
 }
 
 }  // namespace
