@@ -12,7 +12,7 @@ namespace hymm::test {
 inline std::filesystem::path recording(const std::string& name) {
   const char* root = std::getenv("HYMM_DATA");
   return root == nullptr || *root == '\0' ? std::filesystem::path()
-                                       : std::filesystem::path(root) / name;
+                                          : std::filesystem::path(root) / name;
 }
 
 }  // namespace hymm::test
