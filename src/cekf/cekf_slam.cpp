@@ -272,13 +272,15 @@ class CekfSlam::Impl {
 
     ScanAssociation association =
         associator_.associate(set, sensorPlacement(set), life_cycle_.registry(), estimate_.filter);
-    update(set, association, outcome);
+    const bool updated = update(set, association, outcome);
     const SensorPlacement sensor = sensorPlacement(set);
     life_cycle_.confirm(set, association);
     const std::vector<int> created = life_cycle_.create(
         set, sensor, association, estimate_.vehicle.predictedPose(), estimate_.filter);
-    const int missed =
-        scan != nullptr ? life_cycle_.miss(*scan, set, sensor, association, estimate_.filter) : 0;
+    // What a refused update would have seen is not missed.
+    const int missed = scan != nullptr && updated
+                           ? life_cycle_.miss(*scan, set, sensor, association, estimate_.filter)
+                           : 0;
     countObservations(association, created, missed, outcome);
     outcome.largest_correction_m =
         std::max(outcome.largest_correction_m, life_cycle_.merge(association, estimate_.filter));
@@ -306,19 +308,21 @@ class CekfSlam::Impl {
     return estimate_.vehicle.placement(set.T_base_sensor, estimate_.filter.vehicle());
   }
 
-  void update(const ObservationSet& set, ScanAssociation& association, ScanOutcome& outcome) {
-    if (association.measurements.empty()) return;
+  /// False, and nothing is associated, if the update was refused.
+  bool update(const ObservationSet& set, ScanAssociation& association, ScanOutcome& outcome) {
+    if (association.measurements.empty()) return true;
     const UpdateOutcome update =
         scan_update_.update(set, association, estimate_.vehicle, estimate_.filter);
     if (!std::isfinite(update.nis)) {
       association.slots.assign(association.slots.size(), ScanAssociation::kNone);
-      return;
+      return false;
     }
     const Eigen::VectorXd state = estimate_.filter.vehicle();
     estimate_.filter.setVehicleState(2, wrapAngle(state[2]));
     outcome.health.nis = update.nis;
     outcome.health.dof = 2 * static_cast<int>(association.measurements.size());
     outcome.largest_correction_m = update.largest_landmark_move_m;
+    return true;
   }
 
   void countObservations(const ScanAssociation& association, const std::vector<int>& created,

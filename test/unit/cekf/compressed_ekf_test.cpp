@@ -2,16 +2,17 @@
 
 #include <chrono>
 #include <cmath>
-#include <future>
-#include <map>
+#include <random>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "cekf/effect_reader.h"
 #include "common/random.h"
-#include "support/full_ekf.h"
+#include "support/filter_pair.h"
+#include "support/worker_hold.h"
 
 namespace hymm::core {
 namespace {
@@ -26,262 +27,78 @@ constexpr double kExact = 1e-9;
 
 MatrixXd randomMatrix(RandomGenerator& generator, int rows, int columns, double deviation) {
   MatrixXd matrix(rows, columns);
-  for (int i = 0; i < rows; ++i) {
-    for (int j = 0; j < columns; ++j) matrix(i, j) = sampleNormal(generator, deviation);
-  }
+  for (Eigen::Index i = 0; i < matrix.size(); ++i) matrix(i) = sampleNormal(generator, deviation);
   return matrix;
 }
 
-struct TwoFiltersState {
-  VectorXd state;
-  MatrixXd covariance;
-};
-
-/// Drives the compressed filter and the full EKF through the same random history.
-class TwoFilters {
+/// Random landmarks, motion and observations for the compressed filter and the textbook one.
+class RandomPair {
  public:
-  explicit TwoFilters(unsigned seed, SerialWorker::Mode mode = SerialWorker::Mode::kInline)
+  RandomPair(unsigned seed, SerialWorker::Mode mode, int landmarks)
       : generator_(seed),
-        compressed_(VectorXd::Zero(kVehicleStates), initialCovariance(), mode),
-        full_(VectorXd::Zero(kVehicleStates), initialCovariance()) {}
+        pair_(VectorXd::Zero(kVehicleStates),
+              VectorXd::LinSpaced(kVehicleStates, 0.1, 0.6).asDiagonal(), mode) {
+    for (int i = 0; i < landmarks; ++i) {
+      pair_.append(randomMatrix(generator_, 2, 1, 10.0),
+                   randomMatrix(generator_, 2, kVehicleStates, 1.0), 0.1 * Matrix2d::Identity());
+    }
+  }
+
+  test::FilterPair& pair() { return pair_; }
+  CompressedEkf& filter() { return pair_.compressed(); }
 
   void step() {
-    predict();
-    const double dice = sampleUniform(generator_, 0.0, 1.0);
-    if (dice < 0.15 || slots_.size() < 3) append();
-    if (dice > 0.94 && slots_.size() > 8) remove();
-    if (dice > 0.5 && dice < 0.53) fuse();
-    if (dice > 0.6 && dice < 0.63) absoluteFix();
-    if (dice > 0.7 && dice < 0.705) initialise();
-    observe();
-    if (dice > 0.3 && dice < 0.36 && compressed_.globalUpdate()) {
-      EXPECT_EQ(compressed_.activeCount(), 0U);
-      expectEqual();
-    }
-  }
-
-  /// States in units of their deviation, covariances in units of theirs.
-  void expectEqual() {
-    const VectorXd sigma = full_.covariance().diagonal().cwiseSqrt();
-    const auto nv = static_cast<Eigen::Index>(kVehicleStates);
-    for (Eigen::Index i = 0; i < nv; ++i) {
-      ASSERT_LT(std::abs(compressed_.vehicle()[i] - full_.state()[i]), kExact * sigma[i]);
-    }
-    expectBlock(compressed_.vehicleCovariance(), 0, 0, sigma);
-    for (const auto& [id, slot] : slots_) {
-      const Eigen::Index a = full_.index(id);
-      const Vector2d error = compressed_.landmark(slot) - full_.state().segment<2>(a);
-      ASSERT_LT(error.cwiseQuotient(sigma.segment<2>(a)).cwiseAbs().maxCoeff(), kExact);
-      expectBlock(compressed_.vehicleLandmarkCovariance(slot), 0, a, sigma);
-      for (const auto& [other_id, other_slot] : slots_) {
-        expectBlock(compressed_.covariance(slot, other_slot), a, full_.index(other_id), sigma);
-      }
-    }
-  }
-
-  CompressedEkf& compressed() { return compressed_; }
-  void append(int count) {
-    for (int i = 0; i < count; ++i) append();
-  }
-
-  void observe() {
-    std::vector<SparseMeasurement> measurements;
-    std::vector<test::FullEkf::Row> rows;
-    std::map<int, int> seen;
-    for (int k = 0; k < 3; ++k) seen.insert(*pick());
-    for (const auto& [id, slot] : seen) {
-      compressed_.activate(slot);
-      SparseMeasurement m;
-      m.innovation = randomMatrix(generator_, 2, 1, 0.3);
-      m.H_vehicle = randomMatrix(generator_, 2, kVehicleStates, 1.0);
-      m.landmarks[0] = slot;
-      m.H_landmarks[0] = randomMatrix(generator_, 2, 2, 1.0);
-      m.noise = 0.2 * Matrix2d::Identity();
-      rows.push_back({m.innovation, m.H_vehicle, {{id, m.H_landmarks[0]}}, m.noise});
-      measurements.push_back(m);
-    }
-    EXPECT_GT(compressed_.update(measurements).nis, 0.0);
-    full_.update(rows);
-  }
-
-  /// What a job of the worker reads of all landmarks as they are now.
-  void expectLaterReadingEqual() {
-    std::vector<int> slots;
-    for (const auto& [id, slot] : slots_) slots.push_back(slot);
-    std::map<int, Vector2d> positions;
-    std::map<std::pair<int, int>, Matrix2d> blocks;
-    compressed_.readLater(slots, [&](const EffectReader& reader) {
-      for (const int a : slots) {
-        positions[a] = reader.state(CompressedEkf::storeIndex(a));
-        for (const int b : slots) {
-          blocks[{a, b}] =
-              reader.covariance(CompressedEkf::storeIndex(a), CompressedEkf::storeIndex(b));
-        }
-      }
-    });
-    const auto expected = slots_;
-    const TwoFiltersState now{full_.state(), full_.covariance()};
-    observe();  // what comes later does not matter to the job
-    compressed_.finishGlobalUpdate();
-    const VectorXd sigma = now.covariance.diagonal().cwiseSqrt();
-    for (const auto& [id, slot] : expected) {
-      const Eigen::Index a = full_.index(id);
-      const Vector2d error = positions[slot] - now.state.segment<2>(a);
-      ASSERT_LT(error.cwiseQuotient(sigma.segment<2>(a)).cwiseAbs().maxCoeff(), kExact);
-      for (const auto& [other_id, other_slot] : expected) {
-        const Eigen::Index b = full_.index(other_id);
-        const Matrix2d difference = blocks[{slot, other_slot}] - now.covariance.block<2, 2>(a, b);
-        for (int i = 0; i < 2; ++i) {
-          for (int j = 0; j < 2; ++j) {
-            ASSERT_LT(std::abs(difference(i, j)), kExact * sigma[a + i] * sigma[b + j]);
-          }
-        }
-      }
-    }
-  }
-  std::size_t landmarks() const { return slots_.size(); }
-
- private:
-  static MatrixXd initialCovariance() {
-    return VectorXd::LinSpaced(kVehicleStates, 0.1, 0.6).asDiagonal();
-  }
-
-  void expectBlock(const MatrixXd& block, Eigen::Index row, Eigen::Index column,
-                   const VectorXd& sigma) {
-    for (Eigen::Index i = 0; i < block.rows(); ++i) {
-      for (Eigen::Index j = 0; j < block.cols(); ++j) {
-        const double error = std::abs(block(i, j) - full_.covariance()(row + i, column + j));
-        ASSERT_LT(error, kExact * sigma[row + i] * sigma[column + j]);
-      }
-    }
-  }
-
-  void predict() {
     const MatrixXd J = MatrixXd::Identity(kVehicleStates, kVehicleStates) +
                        randomMatrix(generator_, kVehicleStates, kVehicleStates, 0.03);
     const MatrixXd root = randomMatrix(generator_, kVehicleStates, 2, 0.05);
-    const MatrixXd Q = root * root.transpose();
-    const VectorXd vehicle = J * full_.state().head(kVehicleStates);
-    compressed_.predict(vehicle, J, Q);
-    full_.predict(vehicle, J, Q);
+    const VectorXd vehicle = J * pair_.full().state().head(kVehicleStates);
+    filter().predict(vehicle, J, root * root.transpose());
+    pair_.full().predict(vehicle, J, root * root.transpose());
+    std::vector<test::FilterPair::Row> rows;
+    const int last = static_cast<int>(pair_.slots().size()) - 1;
+    for (int k = 0; k < 3; ++k) {
+      const int id = std::uniform_int_distribution<int>(0, last)(generator_);
+      rows.push_back({randomMatrix(generator_, 2, 1, 0.3),
+                      randomMatrix(generator_, 2, kVehicleStates, 1.0),
+                      {{id, randomMatrix(generator_, 2, 2, 1.0)}},
+                      0.2 * Matrix2d::Identity()});
+    }
+    pair_.update(rows);
   }
 
-  void append() {
-    const MatrixXd G = randomMatrix(generator_, 2, kVehicleStates, 1.0);
-    const Vector2d position = randomMatrix(generator_, 2, 1, 10.0);
-    const Matrix2d noise = 0.1 * Matrix2d::Identity();
-    slots_[next_id_] = compressed_.append(position, G, noise);
-    full_.append(next_id_++, position, G, noise);
-  }
-
-  void remove() {
-    const auto victim = pick();
-    compressed_.remove(victim->second);
-    full_.remove(victim->first);
-    slots_.erase(victim);
-  }
-
-  void fuse() {
-    const auto a = pick(), b = pick();
-    if (a == b) return;
-    compressed_.activate(a->second);
-    compressed_.activate(b->second);
-    SparseMeasurement m;
-    m.innovation = randomMatrix(generator_, 2, 1, 0.1);
-    m.landmarks[0] = a->second;
-    m.landmarks[1] = b->second;
-    m.H_landmarks[0] = Matrix2d::Identity();
-    m.H_landmarks[1] = -Matrix2d::Identity();
-    m.noise = 1e-2 * Matrix2d::Identity();
-    compressed_.update({m});
-    full_.update({{m.innovation,
-                   MatrixXd(2, 0),
-                   {{a->first, m.H_landmarks[0]}, {b->first, m.H_landmarks[1]}},
-                   m.noise}});
-  }
-
-  void absoluteFix() {
-    SparseMeasurement m;
-    m.innovation = randomMatrix(generator_, 2, 1, 0.5);
-    m.H_vehicle = randomMatrix(generator_, 2, kVehicleStates, 1.0);
-    m.noise = 0.5 * Matrix2d::Identity();
-    compressed_.update({m});
-    full_.update({{m.innovation, m.H_vehicle, {}, m.noise}});
-  }
-
-  void initialise() {
-    const MatrixXd G = randomMatrix(generator_, 2, kVehicleStates, 1.0);
-    const Vector2d value = randomMatrix(generator_, 2, 1, 1.0);
-    compressed_.initialiseVehicleStates(4, value, G, 0.3 * Matrix2d::Identity());
-    full_.initialiseVehicleStates(4, value, G, 0.3 * Matrix2d::Identity());
-  }
-
-  std::map<int, int>::iterator pick() {
-    const auto index = std::uniform_int_distribution<std::size_t>(0, slots_.size() - 1)(generator_);
-    return std::next(slots_.begin(), static_cast<std::ptrdiff_t>(index));
-  }
-
+ private:
   RandomGenerator generator_;
-  CompressedEkf compressed_;
-  test::FullEkf full_;
-  std::map<int, int> slots_;  // id to slot
-  int next_id_ = 0;
+  test::FilterPair pair_;
 };
 
-TEST(CompressedEkf, EqualsFullEkfAfterGlobalUpdates) {
-  for (const unsigned seed : {1U, 2U, 3U}) {
-    TwoFilters filters(seed);
-    for (int i = 0; i < 250 && !testing::Test::HasFailure(); ++i) filters.step();
-    EXPECT_GT(filters.landmarks(), 10U);
+TEST(CompressedEkf, StartsNoGlobalUpdateWhileOneIsPending) {
+  RandomPair random(5, SerialWorker::Mode::kBackground, 20);
+  random.step();
+  {
+    const test::WorkerHold hold(random.filter());
+    EXPECT_TRUE(random.filter().globalUpdate());
+    EXPECT_EQ(random.filter().activeCount(), 0U);
+    random.step();
+    EXPECT_TRUE(random.filter().isGlobalUpdatePending());
+    EXPECT_FALSE(random.filter().globalUpdate());
+    EXPECT_GT(random.filter().activeCount(), 0U);
   }
-}
-
-TEST(CompressedEkf, EqualsFullEkfBetweenGlobalUpdatesForActiveAndPassiveLandmarks) {
-  TwoFilters filters(4);
-  for (int i = 0; i < 150 && !testing::Test::HasFailure(); ++i) {
-    filters.step();
-    filters.expectEqual();
-  }
-}
-
-TEST(CompressedEkf, EqualsFullEkfWhileTheGlobalUpdateIsPending) {
-  for (const unsigned seed : {5U, 6U, 7U}) {
-    TwoFilters filters(seed, SerialWorker::Mode::kBackground);
-    CompressedEkf& filter = filters.compressed();
-    filters.append(20);
-    for (int i = 0; i < 40; ++i) filters.step();
-    filter.finishGlobalUpdate();
-    std::promise<void> gate;
-    filter.readLater({}, [open = gate.get_future().share()](const EffectReader&) { open.wait(); });
-    ASSERT_TRUE(filter.globalUpdate());
-    for (int i = 0; i < 40 && !testing::Test::HasFailure(); ++i) {
-      filters.step();
-      filters.expectEqual();
-      ASSERT_TRUE(filter.isGlobalUpdatePending());
-      EXPECT_FALSE(filter.globalUpdate());
-    }
-    gate.set_value();
-    filter.finishGlobalUpdate();
-    EXPECT_FALSE(filter.isGlobalUpdatePending());
-    filters.expectEqual();
-    EXPECT_TRUE(filter.globalUpdate());
-    filters.expectEqual();
-    filter.finishGlobalUpdate();
-    filters.expectEqual();
-  }
+  random.filter().finishGlobalUpdate();
+  EXPECT_FALSE(random.filter().isGlobalUpdatePending());
+  EXPECT_TRUE(random.filter().globalUpdate());
+  EXPECT_LT(random.pair().difference().covariance, kExact);
 }
 
 TEST(CompressedEkf, ReadsTheSameBeforeAndAfterEachTileIsReplaced) {
-  TwoFilters filters(8, SerialWorker::Mode::kBackground);
-  CompressedEkf& filter = filters.compressed();
-  filters.append(220);  // 456 states in 10 tiles
+  RandomPair random(8, SerialWorker::Mode::kBackground, 220);  // 456 states in 10 tiles
+  CompressedEkf& filter = random.filter();
   std::vector<int> slots;
   for (int slot = 0; slot < 220; slot += 22) slots.push_back(slot);
   // How many readings fall into an update is for the scheduler to say: go on until some did.
-  int reads_while_pending = 0;
   constexpr int kMostRounds = 200;
+  int reads_while_pending = 0;
   for (int i = 0; i < 3 || (reads_while_pending < 3 && i < kMostRounds); ++i) {
-    filters.observe();
+    random.step();
     filter.finishGlobalUpdate();
     ASSERT_TRUE(filter.globalUpdate());
     std::vector<MatrixXd> readings;
@@ -300,12 +117,40 @@ TEST(CompressedEkf, ReadsTheSameBeforeAndAfterEachTileIsReplaced) {
   EXPECT_GT(reads_while_pending, 0);
 }
 
+/// Of the landmarks in `slots`: positions, one above the other, and their joint covariance.
+std::pair<VectorXd, MatrixXd> readAll(const EffectReader& reader, const std::vector<int>& slots) {
+  const auto n = static_cast<Eigen::Index>(2 * slots.size());
+  std::pair<VectorXd, MatrixXd> read{VectorXd(n), MatrixXd(n, n)};
+  for (Eigen::Index a = 0; a < n; a += 2) {
+    const int index = CompressedEkf::storeIndex(slots[static_cast<std::size_t>(a / 2)]);
+    read.first.segment<2>(a) = reader.state(index);
+    for (Eigen::Index b = 0; b < n; b += 2) {
+      const int other = CompressedEkf::storeIndex(slots[static_cast<std::size_t>(b / 2)]);
+      read.second.block<2, 2>(a, b) = reader.covariance(index, other);
+    }
+  }
+  return read;
+}
+
 TEST(CompressedEkf, ReadsLaterWhatWasKnownWhenAsked) {
   for (const auto mode : {SerialWorker::Mode::kInline, SerialWorker::Mode::kBackground}) {
-    TwoFilters filters(9, mode);
-    for (int i = 0; i < 100 && !testing::Test::HasFailure(); ++i) {
-      filters.step();
-      if (i % 10 == 9) filters.expectLaterReadingEqual();
+    RandomPair random(9, mode, 12);
+    std::vector<int> slots;
+    for (const auto& [id, slot] : random.pair().slots()) slots.push_back(slot);
+    for (int i = 0; i < 30; ++i) {
+      random.step();
+      if (i % 3 == 0) random.filter().globalUpdate();
+      if (i % 3 == 1) random.step();
+      const VectorXd state = random.pair().full().state().tail(24);
+      const MatrixXd covariance = random.pair().full().covariance().bottomRightCorner(24, 24);
+      std::pair<VectorXd, MatrixXd> read;
+      random.filter().readLater(slots, [&](const EffectReader& r) { read = readAll(r, slots); });
+      random.step();  // what comes later does not matter
+      random.filter().finishGlobalUpdate();
+      const VectorXd sigma = covariance.diagonal().cwiseSqrt();
+      ASSERT_LT((read.first - state).cwiseQuotient(sigma).cwiseAbs().maxCoeff(), kExact);
+      const MatrixXd error = (read.second - covariance).cwiseQuotient(sigma * sigma.transpose());
+      ASSERT_LT(error.cwiseAbs().maxCoeff(), kExact);
     }
   }
 }
