@@ -61,8 +61,8 @@ void AssociationConfig::describe(ConfigSchema& schema) {
 void LandmarkConfig::describe(ConfigSchema& schema) {
   schema.integer("promote_sightings", promote_sightings, Range::between(1, 100),
                  "scans that must see an object before it becomes a landmark");
-  schema.integer("promote_within_scans", promote_within_scans, Range::between(1, 1000),
-                 "number of scans in which they must happen");
+  schema.number("promote_share", promote_share, Range::between(0.0, 1.0),
+                "least share of the scans since the first of them that must see it");
   schema.number("promote_span_s", promote_span_s, Range::notNegative(),
                 "least time between the first and the last of them, at one place: by then, what "
                 "walks or drives has moved on");

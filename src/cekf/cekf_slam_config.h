@@ -45,7 +45,7 @@ struct AssociationConfig {
 /// How landmarks come and go.
 struct LandmarkConfig {
   int promote_sightings = 3;
-  int promote_within_scans = 10;
+  double promote_share = 0.3;        ///< of the scans since the first of them
   double promote_span_s = 1.0;       ///< what moves has moved by then
   int confirm_observations = 5;      ///< below, a landmark is dropped once out of sight
   double unconfirmed_life_s = 10.0;  ///< after its last sighting

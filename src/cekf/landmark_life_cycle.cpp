@@ -49,7 +49,7 @@ LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config)
       hit_log_odds_(std::log(config.detection_probability / config.false_detection_probability)),
       miss_log_odds_(std::log((1.0 - config.detection_probability) /
                               (1.0 - config.false_detection_probability))),
-      tentative_({config.promote_sightings, config.promote_within_scans, config.promote_span_s}) {}
+      tentative_({config.promote_sightings, config.promote_share, config.promote_span_s}) {}
 
 void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation& association) {
   ++scan_number_;

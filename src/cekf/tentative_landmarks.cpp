@@ -17,10 +17,7 @@ bool TentativeLandmarks::observe(const Eigen::Vector2d& position, const Eigen::M
   }
   std::vector<Sighting>& sightings = candidate->sightings;
   sightings.push_back({position, scan, time_s});
-  const auto recent = std::find_if(sightings.begin(), sightings.end(), [&](const Sighting& s) {
-    return s.scan > scan - config_.within_scans;
-  });
-  sightings.erase(sightings.begin(), recent);
+  forgetInfrequent(*candidate, scan);
   const bool often = sightings.size() >= static_cast<std::size_t>(config_.sightings);
   const bool long_enough = at_once || time_s - sightings.front().time_s >= config_.span_s;
   if (!often || !long_enough) return false;
@@ -29,11 +26,25 @@ bool TentativeLandmarks::observe(const Eigen::Vector2d& position, const Eigen::M
 }
 
 void TentativeLandmarks::expire(long scan) {
-  const auto stale = [&](const Candidate& candidate) {
-    return candidate.sightings.back().scan <= scan - config_.within_scans;
+  const auto stale = [&](Candidate& candidate) {
+    forgetInfrequent(candidate, scan);
+    return candidate.sightings.empty();
   };
   candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), stale),
                     candidates_.end());
+}
+
+void TentativeLandmarks::forgetInfrequent(Candidate& candidate, long scan) const {
+  std::vector<Sighting>& sightings = candidate.sightings;
+  // What comes into view may be missed at first, so the first few scans do not decide.
+  const auto is_frequent = [&](std::size_t first) {
+    const auto scans = static_cast<double>(scan - sightings[first].scan + 1);
+    const auto seen = static_cast<double>(sightings.size() - first);
+    return std::max(seen, double(config_.sightings)) >= config_.share * scans;
+  };
+  std::size_t first = 0;
+  while (first < sightings.size() && !is_frequent(first)) ++first;
+  sightings.erase(sightings.begin(), sightings.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
 TentativeLandmarks::Candidate* TentativeLandmarks::nearest(const Eigen::Vector2d& position,

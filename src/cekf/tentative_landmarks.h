@@ -9,15 +9,15 @@
 namespace hymm::core {
 
 struct TentativeConfig {
-  int sightings = 3;      ///< that promote a tentative landmark
-  int within_scans = 10;  ///< in which they must happen
-  double span_s = 1.0;    ///< least time between the first and the last of them
-  double gate_m = 0.2;    ///< added to the measurement's own 3 deviations, for the pose's change
+  int sightings = 3;    ///< that promote a tentative landmark, at least
+  double share = 0.3;   ///< of the scans from its first sighting on that must show it
+  double span_s = 1.0;  ///< least time between the first and the last sighting
+  double gate_m = 0.2;  ///< added to the measurement's own 3 deviations, for the pose's change
 };
 
-/// Objects seen but not yet trusted to be landmarks. They live outside the filter's state, so that
-/// people who walk and cars that turn never enter it; the scan that promotes one is the only one
-/// whose measurement the filter uses.
+/// Objects seen but not yet trusted to be landmarks, at whatever rate the sensor scans. They live
+/// outside the filter's state, so that people who walk and cars that turn never enter it; the scan
+/// that promotes one is the only one whose measurement the filter uses.
 class TentativeLandmarks {
  public:
   explicit TentativeLandmarks(const TentativeConfig& config);
@@ -29,7 +29,7 @@ class TentativeLandmarks {
   bool observe(const Eigen::Vector2d& position, const Eigen::Matrix2d& covariance,
                LandmarkType type, long scan, double time_s, bool at_once = false);
 
-  /// Forgets what was not seen often enough.
+  /// Forgets what is not seen often enough.
   void expire(long scan);
   void clear() { candidates_.clear(); }
   std::size_t size() const { return candidates_.size(); }
@@ -42,9 +42,11 @@ class TentativeLandmarks {
   };
   struct Candidate {
     LandmarkType type;
-    std::vector<Sighting> sightings;  ///< in order, none older than within_scans
+    std::vector<Sighting> sightings;  ///< in order
   };
 
+  /// Forgets its first sightings until the rest are frequent enough up to scan number `scan`.
+  void forgetInfrequent(Candidate& candidate, long scan) const;
   Candidate* nearest(const Eigen::Vector2d& position, double radius_m, LandmarkType type,
                      long scan);
 

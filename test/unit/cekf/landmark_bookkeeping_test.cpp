@@ -66,7 +66,7 @@ class TentativeLandmarkTest : public testing::Test {
                               0.2 * static_cast<double>(scan));
   }
 
-  TentativeLandmarks tentative_{{3, 10, 1.0, 0.2}};
+  TentativeLandmarks tentative_{{3, 0.3, 1.0, 0.2}};
 };
 
 TEST_F(TentativeLandmarkTest, PromotesWhatIsSeenOftenEnoughForLongEnough) {
@@ -78,9 +78,43 @@ TEST_F(TentativeLandmarkTest, PromotesWhatIsSeenOftenEnoughForLongEnough) {
 }
 
 TEST_F(TentativeLandmarkTest, ForgetsWhatIsSeenTooSeldom) {
-  for (long scan = 1; scan <= 60; scan += 5) EXPECT_FALSE(seenAt(5.0, 0.0, scan)) << scan;
-  tentative_.expire(100);
+  for (long scan = 1; scan <= 60; ++scan) {
+    if (scan % 5 == 0) {
+      EXPECT_FALSE(seenAt(5.0, 0.0, scan)) << scan;
+    }
+    tentative_.expire(scan);
+  }
+  tentative_.expire(71);
   EXPECT_EQ(tentative_.size(), 0U);
+}
+
+TEST_F(TentativeLandmarkTest, PromotesAtAnyRateOfScans) {
+  for (const double rate_hz : {1.0, 5.0, 10.0, 20.0, 50.0}) {
+    double promoted_s = -1.0;
+    for (long scan = 0; promoted_s < 0.0 && scan < 200; ++scan) {
+      const double time_s = static_cast<double>(scan) / rate_hz;
+      const bool is_seen = scan % 2 == 0;
+      if (is_seen && tentative_.observe({5.0, 0.0}, 1e-4 * Matrix2d::Identity(),
+                                        LandmarkType::kTrunk, scan, time_s)) {
+        promoted_s = time_s;
+      }
+      tentative_.expire(scan);
+    }
+    EXPECT_GE(promoted_s, 1.0) << rate_hz;
+    EXPECT_LE(promoted_s, std::max(1.2, 4.0 / rate_hz)) << rate_hz;
+  }
+}
+
+TEST_F(TentativeLandmarkTest, NeedsTheShareOfScansAtAHighRateToo) {
+  for (long scan = 0; scan < 400; ++scan) {
+    const double time_s = 0.02 * static_cast<double>(scan);
+    if (scan % 4 == 0) {
+      EXPECT_FALSE(tentative_.observe({5.0, 0.0}, 1e-4 * Matrix2d::Identity(), LandmarkType::kTrunk,
+                                      scan, time_s))
+          << time_s;
+    }
+    tentative_.expire(scan);
+  }
 }
 
 TEST_F(TentativeLandmarkTest, DoesNotPromoteWhatWalks) {
