@@ -1,0 +1,152 @@
+#include "door_planner/cell_costs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace hymm::core {
+namespace {
+
+constexpr double kCornerShare = 1e-5;
+constexpr float kOccupied = -std::numeric_limits<float>::infinity();
+
+/// What a metre costs by the occupancy alone.
+float costOf(const PathCostConfig& config, float probability) {
+  if (std::isnan(probability)) {
+    return config.unknown_is_occupied ? kOccupied
+                                      : static_cast<float>(config.distance + config.unknown);
+  }
+  if (probability >= static_cast<float>(config.occupied_probability)) return kOccupied;
+  return static_cast<float>(config.distance + config.occupancy * std::max(0.0F, probability));
+}
+
+}  // namespace
+
+TriangularGrid gridOf(int alpha_cells, int beta_cells) {
+  return {Triangle({Eigen::Vector2d::Zero(), Eigen::Vector2d(alpha_cells, 0.0),
+                    Eigen::Vector2d(0.0, beta_cells)}),
+          1.0};
+}
+
+CellCosts::CellCosts(const PathCostConfig& config, const TriangularGrid& grid)
+    : CellCosts(config, {}, grid, {}) {}
+
+CellCosts::CellCosts(const PathCostConfig& config, const std::vector<PropertyWeight>& weights,
+                     const TriangularGrid& grid, const LtrContent& content)
+    : grid_(grid) {
+  const std::size_t count = std::size_t(grid.cellCount());
+  values_.assign(count, costOf(config, std::numeric_limits<float>::quiet_NaN()));
+  if (!content.occupancy.empty()) {
+    if (content.occupancy.size() != count) {
+      throw std::invalid_argument("an LTR's occupancy must have one value a cell");
+    }
+    std::transform(content.occupancy.begin(), content.occupancy.end(), values_.begin(),
+                   [&](float probability) { return costOf(config, probability); });
+  }
+  for (const PropertyWeight& weight : weights) {
+    const auto property = content.properties.find(weight.property);
+    if (property != content.properties.end()) addProperty(weight, property->second);
+  }
+  finish();
+  findObstacles();
+}
+
+void CellCosts::addProperty(const PropertyWeight& weight, const std::vector<float>& values) {
+  if (values.size() != values_.size()) {
+    throw std::invalid_argument("property " + weight.property +
+                                " of an LTR must have one value a cell");
+  }
+  const float factor = static_cast<float>(weight.weight);
+  if (weight.kind == PropertyWeight::Kind::kClimb) climbs_.resize(values_.size(), 0.0F);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isnan(values[i])) continue;
+    if (weight.kind == PropertyWeight::Kind::kForbidden) {
+      if (values[i] >= factor) values_[i] = kOccupied;
+    } else if (weight.kind == PropertyWeight::Kind::kClimb) {
+      climbs_[i] += factor * values[i];
+    } else {
+      values_[i] += factor * std::max(0.0F, values[i]);
+    }
+  }
+}
+
+void CellCosts::finish() {
+  least_ = kNoPassing;
+  for (const float value : values_) {
+    if (value > 0.0F) least_ = std::min(least_, static_cast<double>(value));
+  }
+  const bool same = std::all_of(values_.begin(), values_.end(),
+                                [this](float value) { return value == values_.front(); });
+  if (!same) return;
+  uniform_ = values_.front();
+  values_.clear();
+  values_.shrink_to_fit();
+}
+
+void CellCosts::findObstacles() {
+  const int rows = grid_.betaCells();
+  const auto isOpen = [&](int i, int j) {
+    return j < 0 || j >= rows || i < 0 || i >= grid_.rowLength(j) || !isOccupied(grid_.index(i, j));
+  };
+  int cell = 0;
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < grid_.rowLength(j); ++i, ++cell) {
+      if (!isOccupied(cell)) continue;
+      if (!isOpen(i - 1, j) && !isOpen(i + 1, j) && !isOpen(i, j - 1) && !isOpen(i, j + 1)) {
+        continue;
+      }
+      obstacles_.emplace_back(
+          (static_cast<float>(i) + 0.5F) / static_cast<float>(grid_.alphaCells()),
+          (static_cast<float>(j) + 0.5F) / static_cast<float>(rows));
+    }
+  }
+}
+
+void CellCosts::setBlocked(const std::vector<bool>& blocked) {
+  if (values_.empty()) values_.assign(std::size_t(grid_.cellCount()), uniform_);
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    if (values_[i] == kOccupied) continue;
+    values_[i] = blocked[i] ? -std::abs(values_[i]) : std::abs(values_[i]);
+  }
+  finish();
+}
+
+std::vector<bool> CellCosts::blocked() const {
+  std::vector<bool> blocked(std::size_t(grid_.cellCount()));
+  for (int i = 0; i < grid_.cellCount(); ++i) {
+    blocked[std::size_t(i)] = !isPassable(i) && !isOccupied(i);
+  }
+  return blocked;
+}
+
+double CellCosts::integrate(const Triangle::Local& from, const Triangle::Local& to,
+                            double length_m) const {
+  if (isUniform()) {
+    return uniform_ > 0.0F ? length_m * static_cast<double>(uniform_) : kNoPassing;
+  }
+  const auto place = [this](const Triangle::Local& local) {
+    return grid_.toCells(local.cwiseMax(0.0).cwiseMin(1.0 - 1e-12));
+  };
+  double sum = 0.0;
+  int last = -1;
+  const bool passes = traverseShares(place(from), place(to), [&](int i, int j, double share) {
+    // A corner that the line only touches does not count.
+    if (share < kCornerShare) return true;
+    const int cell = grid_.index(i, j);
+    const float cost = value(cell);
+    if (!(cost > 0.0F)) return false;
+    sum += share * length_m * static_cast<double>(cost);
+    if (last >= 0) sum += static_cast<double>(std::max(0.0F, climb(cell) - climb(last)));
+    last = cell;
+    return true;
+  });
+  return passes ? sum : kNoPassing;
+}
+
+std::size_t CellCosts::bytes() const {
+  return sizeof(*this) + (values_.capacity() + climbs_.capacity()) * sizeof(float) +
+         obstacles_.capacity() * sizeof(Eigen::Vector2f) +
+         std::size_t(grid_.betaCells() + 1) * sizeof(int);
+}
+
+}  // namespace hymm::core

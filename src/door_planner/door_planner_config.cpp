@@ -1,0 +1,104 @@
+#include "door_planner/door_planner_config.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace hymm::core {
+namespace {
+
+/// One entry "NAME WEIGHT", "NAME climb WEIGHT" or "NAME forbidden THRESHOLD"; false if it is none.
+bool readWeight(const std::string& entry, PropertyWeight& weight) {
+  std::istringstream words(entry);
+  std::string word;
+  if (!(words >> weight.property >> word)) return false;
+  if (word == "climb" || word == "forbidden") {
+    weight.kind = word == "climb" ? PropertyWeight::Kind::kClimb : PropertyWeight::Kind::kForbidden;
+    if (!(words >> word)) return false;
+  }
+  std::istringstream number(word);
+  const bool is_number = static_cast<bool>(number >> weight.weight) && number.eof();
+  return is_number && !(words >> word) && std::isfinite(weight.weight) && weight.weight >= 0.0;
+}
+
+}  // namespace
+
+void PathCostConfig::describe(ConfigSchema& schema) {
+  schema.number("distance", distance, Range::notNegative(), "of a metre, wherever it lies");
+  schema.number("occupancy", occupancy, Range::notNegative(),
+                "of a metre, times the probability that it is occupied");
+  schema.number("occupied_probability", occupied_probability, Range::between(0.05, 0.99),
+                "from which nothing passes");
+  schema.number("unknown", unknown, Range::notNegative(),
+                "of a metre in addition where the occupancy is not known");
+  schema.flag("unknown_is_occupied", unknown_is_occupied, "nothing passes where it is not known");
+  schema.text("properties", properties,
+              "cost of further layers, as 'NAME WEIGHT; NAME climb WEIGHT; NAME forbidden "
+              "THRESHOLD': of a metre times the layer's value, of a metre that the layer's value "
+              "rises, or no passing from that value on; a category is named LAYER.CATEGORY");
+}
+
+std::vector<PropertyWeight> PathCostConfig::weights(std::vector<std::string>& problems) const {
+  std::vector<PropertyWeight> weights;
+  std::istringstream entries(properties);
+  std::string entry;
+  while (std::getline(entries, entry, ';')) {
+    if (entry.find_first_not_of(" \t") == std::string::npos) continue;
+    PropertyWeight weight;
+    if (readWeight(entry, weight)) {
+      weights.push_back(weight);
+    } else {
+      problems.push_back("cost.properties: '" + entry +
+                         "' is not NAME WEIGHT, NAME climb WEIGHT or NAME forbidden THRESHOLD with "
+                         "a number that is not negative.");
+    }
+  }
+  return weights;
+}
+
+void PlannedVehicleConfig::describe(ConfigSchema& schema) {
+  schema.number("width_m", width_m, Range::positive(), "of the widest part of the vehicle");
+  schema.number("length_m", length_m, Range::positive(), "from end to end");
+  schema.number("rear_overhang_m", rear_overhang_m, Range::notNegative(),
+                "of what lies behind base_link");
+  schema.number("turning_radius_m", turning_radius_m, Range::positive(),
+                "the smallest, of base_link");
+  schema.flag("can_reverse", can_reverse,
+              "refined paths may go backwards (Reeds-Shepp), else not (Dubins)");
+}
+
+void DoorPlannerConfig::describe(ConfigSchema& schema) {
+  schema.group("vehicle", vehicle);
+  schema.group("cost", cost);
+  schema.number("portal_spacing_m", portal_spacing_m, Range{0.2, 50.0, false},
+                "largest distance of portals on a side; a quarter of the side if that is less");
+  schema.number("max_metric_error", max_metric_error, Range{0.001, 0.1, false},
+                "share by which a path along cells is longer than a straight one, at worst");
+  schema.number("shape_tolerance", shape_tolerance, Range{0.0001, 0.2, false},
+                "share by which a length in an LTR may change before its costs are computed anew");
+}
+
+std::vector<std::string> DoorPlannerConfig::problems() const {
+  std::vector<std::string> problems;
+  DoorPlannerConfig copy = *this;
+  ConfigSchema schema;
+  copy.describe(schema);
+  for (const ConfigSchema::Entry& entry : schema.entries()) {
+    const auto* const* number = std::get_if<double*>(&entry.value);
+    if (number == nullptr || entry.range.contains(**number)) continue;
+    std::ostringstream text;
+    text << entry.path << ": is " << **number << ", but must be " << entry.range.text() << ".";
+    problems.push_back(text.str());
+  }
+  cost.weights(problems);
+  if (cost.distance == 0.0) {
+    problems.emplace_back(
+        "cost.distance: is 0, so that going round in circles on free ground would cost nothing; "
+        "give it a small positive value.");
+  }
+  if (vehicle.rear_overhang_m > vehicle.length_m) {
+    problems.emplace_back("vehicle.rear_overhang_m: is greater than vehicle.length_m.");
+  }
+  return problems;
+}
+
+}  // namespace hymm::core

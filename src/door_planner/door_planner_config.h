@@ -1,0 +1,61 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/config.h"
+
+namespace hymm::core {
+
+/// How much of a property a metre costs: k_s of (11).
+struct PropertyWeight {
+  enum class Kind {
+    kPerMetre,   ///< times the property's value
+    kClimb,      ///< a metre that the property rises costs this; falling costs nothing
+    kForbidden,  ///< where the value is at least `weight`, nothing passes
+  };
+  std::string property;
+  Kind kind = Kind::kPerMetre;
+  double weight = 0.0;
+};
+
+/// What a metre costs (11). Free and known ground without further properties costs `distance`.
+struct PathCostConfig {
+  double distance = 1.0;
+  double occupancy = 2.0;
+  double occupied_probability = 0.6;
+  double unknown = 3.0;
+  bool unknown_is_occupied = false;
+  std::string properties;
+
+  void describe(ConfigSchema& schema);
+
+  /// `properties` taken apart; adds a sentence to `problems` for each that cannot be used.
+  std::vector<PropertyWeight> weights(std::vector<std::string>& problems) const;
+};
+
+struct PlannedVehicleConfig {
+  double width_m = 1.9;
+  double length_m = 4.0;
+  double rear_overhang_m = 0.9;
+  double turning_radius_m = 5.0;
+  bool can_reverse = true;
+
+  void describe(ConfigSchema& schema);
+};
+
+/// Parameters of the door planner, as the node `door_planner` documents them.
+struct DoorPlannerConfig {
+  PlannedVehicleConfig vehicle;
+  PathCostConfig cost;
+  double portal_spacing_m = 4.0;
+  double max_metric_error = 0.02;
+  double shape_tolerance = 0.01;
+
+  void describe(ConfigSchema& schema);
+
+  /// Everything that makes the configuration unusable, one sentence each.
+  std::vector<std::string> problems() const;
+};
+
+}  // namespace hymm::core

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "door_planner/cell_costs.h"
+#include "door_planner/cell_metric.h"
+#include "hybrid_map/simplex.h"
+
+namespace hymm::core {
+
+/// A path inside one LTR and its cost (9).
+struct LocalPath {
+  double cost = kNoPassing;
+  std::vector<Triangle::Local> points;  ///< both ends included; empty if there is no path
+
+  bool exists() const { return cost < kNoPassing; }
+};
+
+/// Cheapest paths inside one LTR: Dijkstra over its passable cells, then pulled straight where that
+/// costs no more. Costs are integrals along the paths that are returned, not along cells.
+class LocalSearch {
+ public:
+  enum class Direction { kFrom, kTo };
+
+  /// `costs` outlives the object.
+  LocalSearch(const Triangle& triangle, const CellCosts& costs, double max_metric_error);
+
+  /// Paths from one place to others, or (kTo) from the others to it, in the order of `others`.
+  std::vector<LocalPath> find(const Triangle::Local& place,
+                              const std::vector<Triangle::Local>& others,
+                              Direction direction = Direction::kFrom);
+
+  /// Integral of mu along a straight line.
+  double integrate(const Triangle::Local& from, const Triangle::Local& to) const;
+
+ private:
+  struct Label {
+    float cost;
+    int parent;
+  };
+  struct Link {
+    int cell = -1;  ///< padded
+    double cost = kNoPassing;
+  };
+
+  void prepare();
+  void spread(const Triangle::Local& place, Direction direction,
+              const std::vector<Triangle::Local>& others, const std::vector<bool>& wanted);
+  int paddedIndex(int i, int j) const { return (j + pad_) * stride_ + i + pad_; }
+  Triangle::Local placeOf(int padded) const;
+  /// Cells that the third side cuts before their centre are passed, but no path turns in them.
+  bool hasItsCentreInside(int i, int j) const;
+  template <class Visitor>
+  void visitNear(const Triangle::Local& place, Visitor&& visitor) const;
+  double oriented(const Triangle::Local& a, const Triangle::Local& b, Direction direction) const {
+    return direction == Direction::kFrom ? integrate(a, b) : integrate(b, a);
+  }
+  Link bestLink(const Triangle::Local& other, Direction direction) const;
+  LocalPath trace(const Triangle::Local& place, const Triangle::Local& other,
+                  Direction direction) const;
+  LocalPath pulled(const std::vector<Triangle::Local>& points) const;
+
+  const CellCosts& costs_;
+  Eigen::Matrix2d edges_;  ///< of the triangle, m
+  CellMetric metric_;
+  int pad_ = 0, stride_ = 0, rows_ = 0;
+  bool is_prepared_ = false;
+  std::vector<int> step_offsets_;
+  std::vector<float> step_costs_;  ///< by padded cell, then step; infinite where it cannot be taken
+  std::vector<Label> labels_;      ///< by padded cell
+};
+
+}  // namespace hymm::core
