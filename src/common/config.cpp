@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <sstream>
 
 #include "common/error.h"
@@ -141,6 +142,20 @@ class ConfigReader {
 };
 
 }  // namespace
+
+std::vector<std::string> rangeProblems(const ConfigSchema& schema) {
+  std::vector<std::string> problems;
+  for (const ConfigSchema::Entry& entry : schema.entries()) {
+    std::optional<double> value;
+    if (auto* const* number = std::get_if<double*>(&entry.value)) value = **number;
+    if (auto* const* integer = std::get_if<int*>(&entry.value)) value = **integer;
+    if (!value || (std::isfinite(*value) && entry.range.contains(*value))) continue;
+    std::ostringstream text;
+    text << entry.path << ": is " << *value << ", but must be " << entry.range.text() << ".";
+    problems.push_back(text.str());
+  }
+  return problems;
+}
 
 bool Range::contains(double value) const {
   return (min_excluded ? value > min : value >= min) && value <= max;

@@ -84,6 +84,9 @@ void readConfig(const YAML::Node& node, Config& config, const std::string& origi
   readConfig(node, std::as_const(schema), origin, report);
 }
 
+/// A sentence for each number that is out of its range: for configurations that code has filled.
+std::vector<std::string> rangeProblems(const ConfigSchema& schema);
+
 /// Of `names`, the one that differs from `name` by the fewest edits; empty if there are none.
 std::string nearestName(const std::string& name, const std::vector<std::string>& names);
 

@@ -23,6 +23,13 @@ void CellStore::unpack(Layer& layer) {
   layer.packed = {};
 }
 
+const std::vector<float>& CellStore::peek(int layer, std::vector<float>& buffer) const {
+  const Layer& wanted = layers_[std::size_t(layer)];
+  if (wanted.packed.isEmpty()) return wanted.content;
+  buffer = wanted.packed.unpack();
+  return buffer;
+}
+
 std::uint64_t CellStore::lastRevision() const {
   return *std::max_element(revisions_.begin(), revisions_.end());
 }

@@ -42,6 +42,9 @@ class CellStore {
   /// All cells of a layer, the channels of each side by side; empty if it was never written.
   const std::vector<float>& content(int layer) const { return unpacked(layer); }
 
+  /// The same without unpacking for good: cells that are packed are unpacked into `buffer`.
+  const std::vector<float>& peek(int layer, std::vector<float>& buffer) const;
+
   /// Compresses layers that were not written since a revision.
   void pack(std::uint64_t since_revision);
 

@@ -296,6 +296,7 @@ double HybridMap::evidenceWaiting(int layer) const {
 CellMemory HybridMap::ltrMemory() const { return impl_->writer().memory(); }
 CellMemory HybridMap::waitingMemory() const { return impl_->writer().waiting().memory(); }
 const LtrPartition& HybridMap::partition() const { return impl_->partition(); }
+const WaitingTiles& HybridMap::waiting() const { return impl_->writer().waiting(); }
 const HybridMap::Counts& HybridMap::counts() const { return impl_->counts(); }
 
 }  // namespace hymm::core

@@ -16,6 +16,7 @@
 #include "hybrid_map/ltr_partition.h"
 #include "hybrid_map/ltr_topology.h"
 #include "hybrid_map/property_sample.h"
+#include "hybrid_map/waiting_tiles.h"
 #include "perception/laser_scan.h"
 
 namespace hymm::core {
@@ -126,6 +127,7 @@ class HybridMap {
   CellMemory waitingMemory() const;
 
   const LtrPartition& partition() const;
+  const WaitingTiles& waiting() const;
   const Counts& counts() const;
 
  private:

@@ -59,21 +59,10 @@ double HybridMapConfig::activeMemory_mb() const {
 }
 
 std::vector<std::string> HybridMapConfig::problems() const {
-  std::vector<std::string> problems;
   HybridMapConfig copy = *this;
   ConfigSchema schema;
   copy.describe(schema);
-  for (const ConfigSchema::Entry& entry : schema.entries()) {
-    double value = entry.range.min;
-    if (auto* const* number = std::get_if<double*>(&entry.value)) value = **number;
-    if (auto* const* integer = std::get_if<int*>(&entry.value)) value = **integer;
-    const bool is_number = entry.value.index() < 2;
-    if (is_number && !entry.range.contains(value)) {
-      std::ostringstream text;
-      text << entry.path << ": is " << value << ", but must be " << entry.range.text() << ".";
-      problems.push_back(text.str());
-    }
-  }
+  std::vector<std::string> problems = rangeProblems(schema);
   const LayerSet set(layers, day_parts, problems);
   if (partition.min_side_m > partition.max_side_m) {
     problems.emplace_back("partition.min_side_m: is greater than partition.max_side_m.");

@@ -72,7 +72,10 @@ void WaitingTiles::select(const Eigen::Vector2d& place, const LandmarkPlaces& la
       return other.anchors == sheet.anchors;
     });
     selected_ = static_cast<std::size_t>(known - sheets_.begin());
-    if (known == sheets_.end()) sheets_.push_back(std::move(sheet));
+    if (known == sheets_.end()) {
+      sheet.id = ++sheets_made_;
+      sheets_.push_back(std::move(sheet));
+    }
   }
   T_cells_map_ = inverse(sheets_[selected_].T_map_sheet);
 }

@@ -22,6 +22,17 @@ struct WaitingConfig {
   void describe(ConfigSchema& schema);
 };
 
+/// A square of cells that wait for an LTR, for reading.
+struct WaitingTile {
+  static constexpr int kCells = 32;  ///< along a side
+
+  std::uint64_t sheet = 0;  ///< identity of the sheet that it is a part of
+  int x = 0, y = 0;         ///< its place in the sheet
+  Pose2 T_map_cells;        ///< the least corner of its first cell, and the direction of its rows
+  double resolution_m = 0.0;
+  const CellStore* cells = nullptr;
+};
+
 /// Observations outside of every LTR wait here until one covers them. They lie in square cells of a
 /// sheet, which moves with the two landmarks that it is anchored to (one, or none, where there are
 /// no more), and is written only near them.
@@ -63,14 +74,29 @@ class WaitingTiles {
   CellMemory memory() const;
   bool isEmpty() const { return sheets_.empty(); }
 
+  /// Calls `visit(WaitingTile)` for each tile in which a layer was written.
+  template <class Visitor>
+  void visitTiles(int layer, Visitor&& visitor) const {
+    const double tile_m = kTileCells * resolution_m_;
+    for (const Sheet& sheet : sheets_) {
+      for (const auto& [at, cells] : sheet.tiles) {
+        if (cells.isEmpty(layer)) continue;
+        const Pose2 T_sheet_cells{tile_m * at.first, tile_m * at.second, 0.0};
+        visitor(WaitingTile{sheet.id, at.first, at.second, sheet.T_map_sheet * T_sheet_cells,
+                            resolution_m_, &cells});
+      }
+    }
+  }
+
   /// Evidence of a layer in all tiles.
   double evidence(int layer) const;
 
  private:
-  static constexpr int kTileCells = 32;  ///< along a side
+  static constexpr int kTileCells = WaitingTile::kCells;
   using TilePlace = std::pair<int, int>;
 
   struct Sheet {
+    std::uint64_t id = 0;
     std::pair<int, int> anchors{-1, -1};  ///< landmark ids
     Pose2 T_map_sheet;
     Pose2 T_anchors_sheet;
@@ -98,6 +124,7 @@ class WaitingTiles {
   double resolution_m_;
   std::vector<Sheet> sheets_;
   std::size_t selected_ = 0;
+  std::uint64_t sheets_made_ = 0;
   Pose2 T_cells_map_;  ///< of the selected sheet
   CellStore* last_tile_ = nullptr;
   TilePlace last_place_{};
