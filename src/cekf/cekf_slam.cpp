@@ -11,7 +11,9 @@
 #include "cekf/compressed_ekf.h"
 #include "cekf/gps_datum.h"
 #include "cekf/landmark_life_cycle.h"
+#include "cekf/landmark_pins.h"
 #include "cekf/map_snapshot.h"
+#include "cekf/relative_covariance.h"
 #include "cekf/scan_associator.h"
 #include "cekf/scan_update.h"
 #include "cekf/vehicle_state.h"
@@ -61,6 +63,7 @@ class CekfSlam::Impl {
         associator_(config.association, config.update.atFirstEstimates()),
         scan_update_(config.update.atFirstEstimates() ? 1 : config.update.max_iterations),
         life_cycle_(config.landmarks),
+        pins_(config.landmarks.pin_delay_s),
         area_(config.active_area),
         estimate_(newEstimate()) {}
 
@@ -117,6 +120,7 @@ class CekfSlam::Impl {
     ++counts_.resets;
     ++version_;
     life_cycle_.clear();
+    pins_.clear();
     area_.reset();
     past_gaps_ += estimate_.vehicle.gaps();
     past_worker_s_ += estimate_.filter.workerCpu_s();
@@ -130,6 +134,7 @@ class CekfSlam::Impl {
     pose.time_s = estimate_.vehicle.time_s();
     pose.T_map_base = VehicleState::pose(estimate_.filter);
     pose.covariance = estimate_.filter.vehicleCovariance().topLeftCorner<3, 3>();
+    pose.relative_covariance = pose.covariance;  // what is common to all is not told apart
     pose.map_version = version_;
     return pose;
   }
@@ -211,6 +216,8 @@ class CekfSlam::Impl {
     return update;
   }
 
+  void pinLandmarks(double time_s, const std::vector<int>& ids) { pins_.tell(time_s, ids); }
+
   bool isGlobalUpdatePending() { return estimate_.filter.isGlobalUpdatePending(); }
 
   Counts counts() const {
@@ -267,6 +274,7 @@ class CekfSlam::Impl {
     refuseUnusable(set);
     last_scan_s_ = set.time_s;
     ++version_;
+    life_cycle_.pin(pins_.at(set.time_s));
     if (!estimate_.vehicle.hasInput()) ++counts_.scans_without_motion;
     estimate_.vehicle.moveTo(estimate_.filter, set.time_s);
 
@@ -286,11 +294,13 @@ class CekfSlam::Impl {
         std::max(outcome.largest_correction_m, life_cycle_.merge(association, estimate_.filter));
     life_cycle_.refreshActive(estimate_.filter);
     if (outcome.largest_correction_m > config_.large_correction_m) spreadCorrection();
+    const Eigen::Matrix3d relative = covarianceAmongSeen(association);
     keepActiveArea();
 
     ++counts_.scans;
     outcome.pose = pose();
     outcome.pose.time_s = set.time_s;
+    outcome.pose.relative_covariance = relative;
     describeHealth(set.time_s, start, outcome);
     outcome.observations = std::move(set);
     return outcome;
@@ -353,6 +363,16 @@ class CekfSlam::Impl {
     outcome.health.missed = share(missed, missed + associated);
   }
 
+  /// Of the vehicle, while the landmarks of this scan are still active.
+  Eigen::Matrix3d covarianceAmongSeen(const ScanAssociation& association) const {
+    std::vector<int> seen;
+    for (const int slot : association.slots) {
+      const bool is_there = slot != ScanAssociation::kNone && estimate_.filter.isActive(slot);
+      if (is_there) seen.push_back(slot);  // else it was merged into another, or dropped
+    }
+    return relativeCovariance(estimate_.filter, seen);
+  }
+
   void describeHealth(double time_s, std::chrono::steady_clock::time_point start,
                       ScanOutcome& outcome) const {
     FilterHealth& health = outcome.health;
@@ -403,6 +423,7 @@ class CekfSlam::Impl {
   ScanAssociator associator_;
   ScanUpdate scan_update_;
   LandmarkLifeCycle life_cycle_;
+  LandmarkPins pins_;
   ActiveArea area_;
   Estimate estimate_;
   std::size_t settled_updates_ = 0;  ///< global updates whose places life_cycle_ knows
@@ -465,6 +486,9 @@ bool CekfSlam::requestJointLandmarks(const std::vector<int>& ids,
   return impl_->requestJointLandmarks(ids, std::move(take));
 }
 LandmarkUpdate CekfSlam::takeUpdate() { return impl_->takeUpdate(); }
+void CekfSlam::pinLandmarks(double time_s, const std::vector<int>& ids) {
+  impl_->pinLandmarks(time_s, ids);
+}
 bool CekfSlam::isGlobalUpdatePending() { return impl_->isGlobalUpdatePending(); }
 CekfSlam::Counts CekfSlam::counts() const { return impl_->counts(); }
 CekfSlam::CpuTimes CekfSlam::cpuTimes() const { return impl_->cpuTimes(); }

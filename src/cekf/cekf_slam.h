@@ -24,7 +24,9 @@ struct PoseEstimate {
   double time_s = 0.0;
   Pose2 T_map_base;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< (x [m], y [m], yaw [rad]), map axes
-  std::uint64_t map_version = 0;                         ///< of the landmarks it belongs to
+  /// The same relative to the landmarks around (see relativeCovariance); that of a scan's outcome.
+  Eigen::Matrix3d relative_covariance = Eigen::Matrix3d::Zero();
+  std::uint64_t map_version = 0;  ///< of the landmarks it belongs to
 };
 
 /// How well the filter explains what the sensors say. Shares are between 0 and 1.
@@ -136,6 +138,10 @@ class CekfSlam {
 
   /// What changed since the last call, or since the start.
   LandmarkUpdate takeUpdate();
+
+  /// Landmarks that must not be dropped, as of a stamp: what is told is in force for scans from
+  /// landmarks.pin_delay_s later on. Such landmarks may still be merged. reset() forgets them.
+  void pinLandmarks(double time_s, const std::vector<int>& ids);
 
   /// Whether a global update is on its way.
   bool isGlobalUpdatePending();

@@ -82,6 +82,9 @@ void LandmarkConfig::describe(ConfigSchema& schema) {
                 "of one that does not exist");
   schema.number("drop_log_odds", drop_log_odds, Range::between(-100.0, 0.0),
                 "log-odds of existence below which a landmark is dropped");
+  schema.number("pin_delay_s", pin_delay_s, Range::between(0.0, 60.0),
+                "by stamps, after which landmarks that span LTRs are no longer dropped; as long as "
+                "`ltrs` may take, so that live and offline agree");
   schema.number("merge_distance_m", merge_distance_m, Range::notNegative(),
                 "largest distance between two estimates of one object; 0 never merges");
   schema.number("merge_probability", merge_probability, kGateProbability,

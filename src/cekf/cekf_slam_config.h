@@ -55,6 +55,7 @@ struct LandmarkConfig {
   double detection_probability = 0.7;         ///< of a visible landmark that exists
   double false_detection_probability = 0.05;  ///< of one that does not
   double drop_log_odds = -4.0;                ///< of existence
+  double pin_delay_s = 2.0;                   ///< from the stamp of a set of pinned landmarks
   double merge_distance_m = 0.6;              ///< between two estimates of one object
   double merge_probability = 0.95;
 

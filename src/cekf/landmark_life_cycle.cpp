@@ -165,7 +165,10 @@ int LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
     if (!shouldBeVisible(scan, T_sensor_map * landmark.position, landmark, config_)) continue;
     ++missed;
     landmark.existence_log_odds += miss_log_odds_;
-    if (landmark.existence_log_odds < config_.drop_log_odds) {
+    if (landmark.existence_log_odds >= config_.drop_log_odds) continue;
+    if (pinned_ids_.count(landmark.id) > 0) {
+      landmark.existence_log_odds = config_.drop_log_odds;  // so that it is soon believed again
+    } else {
       drop(landmark.id, filter);
       ++counts_.dropped;
     }
@@ -173,10 +176,24 @@ int LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
   return missed;
 }
 
+void LandmarkLifeCycle::pin(const std::unordered_set<int>& ids) {
+  if (ids == told_pins_) return;
+  told_pins_ = ids;
+  followMerges();
+}
+
+void LandmarkLifeCycle::followMerges() {
+  pinned_ids_ = told_pins_;
+  for (const LandmarkMerge& merge : merges_) {  // in the order in which they happened
+    if (pinned_ids_.erase(merge.from_id) > 0) pinned_ids_.insert(merge.into_id);
+  }
+}
+
 void LandmarkLifeCycle::dropUnconfirmed(double time_s, CompressedEkf& filter) {
   const std::set<int> unconfirmed_ids = unconfirmed_ids_;
   for (const int id : unconfirmed_ids) {
     if (time_s - registry_.byId(id).last_seen_s < config_.unconfirmed_life_s) continue;
+    if (pinned_ids_.count(id) > 0) continue;
     drop(id, filter);
     ++counts_.dropped;
   }
@@ -240,6 +257,7 @@ double LandmarkLifeCycle::fuse(int id_kept, int id_gone, CompressedEkf& filter) 
   distinct_from_[kept.id].insert(others.begin(), others.end());
   drop(id_gone, filter);
   merges_.push_back({id_gone, id_kept});
+  followMerges();
   ++counts_.merged;
   return outcome.largest_landmark_move_m;
 }
@@ -315,6 +333,8 @@ void LandmarkLifeCycle::clear() {
   merges_taken_ = 0;
   changed_ids_.clear();
   unconfirmed_ids_.clear();
+  told_pins_.clear();
+  pinned_ids_.clear();
   distinct_from_.clear();
   next_id_ = 0;
 }

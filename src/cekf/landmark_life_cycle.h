@@ -42,6 +42,9 @@ class LandmarkLifeCycle {
   int miss(const LaserScan& scan, const ObservationSet& set, const SensorPlacement& sensor,
            const ScanAssociation& association, CompressedEkf& filter);
 
+  /// Landmarks that are not dropped from now on; one that was merged stands for what it became.
+  void pin(const std::unordered_set<int>& ids);
+
   /// Drops landmarks that were seen too seldom to be trusted and have been left behind.
   void dropUnconfirmed(double time_s, CompressedEkf& filter);
 
@@ -83,6 +86,7 @@ class LandmarkLifeCycle {
                     CompressedEkf& filter) const;
   double fuse(int id_kept, int id_gone, CompressedEkf& filter);
   void drop(int id, CompressedEkf& filter);
+  void followMerges();
 
   LandmarkConfig config_;
   double merge_gate_;
@@ -94,6 +98,7 @@ class LandmarkLifeCycle {
   std::unordered_set<int> changed_ids_;
   std::vector<int> removed_ids_;
   std::set<int> unconfirmed_ids_;
+  std::unordered_set<int> told_pins_, pinned_ids_;  ///< as told; with merges followed
   /// By id: ids of close landmarks seen in the same scan, which are other objects.
   std::unordered_map<int, std::set<int>> distinct_from_;
   long scan_number_ = 0;

@@ -1,5 +1,6 @@
 #include "common/unfinished_file.h"
 
+#include <fstream>
 #include <system_error>
 
 #include "common/error.h"
@@ -32,6 +33,17 @@ void UnfinishedFile::complete() {
                       " (" + error.message() + "); check the folder's permissions.");
   }
   is_complete_ = true;
+}
+
+void replaceFile(const fs::path& path, const std::string& content) {
+  UnfinishedFile unfinished(path);
+  std::ofstream file(unfinished.path(), std::ios::binary | std::ios::trunc);
+  file << content;
+  file.close();
+  if (!file) {
+    throw OutputError(unfinished.path().string() + ": could not be written; is the disk full?");
+  }
+  unfinished.complete();
 }
 
 }  // namespace hymm::core

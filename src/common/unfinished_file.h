@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace hymm::core {
 
@@ -27,5 +28,9 @@ class UnfinishedFile {
   std::filesystem::path path_;
   bool is_complete_ = false;
 };
+
+/// Writes a whole file at once: whoever reads it finds the content before or this one, never a part
+/// of it. Throws OutputError.
+void replaceFile(const std::filesystem::path& path, const std::string& content);
 
 }  // namespace hymm::core

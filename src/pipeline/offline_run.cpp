@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "pipeline/suite_stages.h"
+
 namespace hymm::core {
 namespace {
 
@@ -12,11 +14,14 @@ bool isScan(const SensorEvent& event) {
 
 }  // namespace
 
-OfflineRun::OfflineRun(const SuiteConfig& config, ResultsWriter& results)
+OfflineRun::OfflineRun(const SuiteConfig& config, const std::vector<std::string>& nodes,
+                       ResultsWriter& results)
     : config_(config),
       results_(results),
       merger_(config.cekf_slam.merger),
-      filter_(config.cekf_slam, config.vehicle) {}
+      filter_(config.cekf_slam, config.vehicle),
+      map_schedule_(config.cekf_slam),
+      stages_(makeStages(nodes, config)) {}
 
 bool OfflineRun::process(SensorEvent event) {
   if (isScan(event)) ++scans_in_;
@@ -38,18 +43,44 @@ void OfflineRun::processReleased(const SensorEvent& event) {
   if (const auto* reset = std::get_if<ClockReset>(&event)) {
     ++incidents_["times that the clock ran back and a new map was begun"];
     results_.addReset(reset->time_s, "the clock ran back; a new map begins");
+    map_schedule_.reset();
+    for (const auto& stage : stages_) stage->reset(reset->time_s);
   } else if (const auto* fix = std::get_if<GpsFix>(&event)) {
     results_.addGps(*fix);
   }
+  for (const auto& stage : stages_) stage->takeEvent(event);
   const std::optional<ScanOutcome> outcome = filter_.process(event);
   if (!outcome) return;
   if (outcome->accepted) {
-    if (log_ != nullptr) log_->add(*outcome);
-    supervise(*outcome);
-    results_.addScan({outcome->pose, outcome->health, nameOf(mode_)});
+    finishScan(event, *outcome);
   } else {
     ++incidents_["scans refused: " + outcome->reason];
   }
+}
+
+void OfflineRun::finishScan(const SensorEvent& event, const ScanOutcome& outcome) {
+  if (log_ != nullptr) log_->add(outcome);
+  supervise(outcome);
+  results_.addScan({outcome.pose, outcome.health, nameOf(mode_)});
+  if (!stages_.empty()) serveStages(event, outcome);
+}
+
+/// As FilterOutput publishes it: what changed with each scan, and now and then all landmarks.
+void OfflineRun::serveStages(const SensorEvent& event, const ScanOutcome& outcome) {
+  const LandmarkUpdate update = filter_.takeUpdate();
+  std::shared_ptr<const LandmarkMap> map;
+  const double time_s = outcome.pose.time_s;
+  if (map_schedule_.isDue(time_s, filter_.counts().map_corrections > map_corrections_)) {
+    map_schedule_.note(time_s);
+    map = std::make_shared<const LandmarkMap>(
+        filter_.landmarkMap(config_.cekf_slam.landmark_block_range_m));
+  }
+  map_corrections_ = filter_.counts().map_corrections;
+  for (const auto& stage : stages_) stage->takeScan({event, outcome, update, map}, filter_);
+}
+
+void OfflineRun::writeFiles(const std::string& folder) {
+  for (const auto& stage : stages_) stage->write(folder);
 }
 
 void OfflineRun::supervise(const ScanOutcome& outcome) {
@@ -73,6 +104,7 @@ std::map<std::string, std::size_t> OfflineRun::incidents() const {
       counts.refused_observations);
   add("gaps in the motion input", counts.motion_gaps);
   add("scans before any motion input", counts.scans_without_motion);
+  for (const auto& stage : stages_) incidents.merge(stage->incidents());
   return incidents;
 }
 
@@ -92,6 +124,7 @@ RunTotals OfflineRun::totals() const {
   totals.global_update_waits = counts.global_update_waits;
   totals.gps_antenna_m =
       Eigen::Vector2d(config_.vehicle.gps_antenna.x_m, config_.vehicle.gps_antenna.y_m);
+  for (const auto& stage : stages_) stage->addTo(totals);
   return totals;
 }
 

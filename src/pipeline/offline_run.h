@@ -2,13 +2,17 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "cekf/cekf_slam.h"
+#include "cekf/map_schedule.h"
 #include "pipeline/observation_log.h"
 #include "pipeline/results_writer.h"
 #include "pipeline/sensor_merger.h"
 #include "pipeline/suite_config.h"
+#include "pipeline/suite_stage.h"
 #include "supervisor/supervisor_decision.h"
 
 namespace hymm::core {
@@ -17,8 +21,10 @@ namespace hymm::core {
 /// give the same results, times that the machine took aside.
 class OfflineRun {
  public:
-  /// Throws ConfigError if the configuration is unusable. `results` outlives the run.
-  OfflineRun(const SuiteConfig& config, ResultsWriter& results);
+  /// `nodes`: those to run, by name (see chosenNodes). Throws ConfigError if the configuration is
+  /// unusable. `results` outlives the run.
+  OfflineRun(const SuiteConfig& config, const std::vector<std::string>& nodes,
+             ResultsWriter& results);
 
   /// Logs each observation as well; `log` outlives the run.
   void logObservations(ObservationLog& log) { log_ = &log; }
@@ -42,11 +48,16 @@ class OfflineRun {
   /// The part of the totals that the engines know.
   RunTotals totals() const;
 
+  /// Writes the files of the engines behind the filter. Throws OutputError.
+  void writeFiles(const std::string& folder);
+
   /// What was refused or reset, by cause, and how often.
   std::map<std::string, std::size_t> incidents() const;
 
  private:
   void processReleased(const SensorEvent& event);
+  void finishScan(const SensorEvent& event, const ScanOutcome& outcome);
+  void serveStages(const SensorEvent& event, const ScanOutcome& outcome);
   void supervise(const ScanOutcome& outcome);
 
   SuiteConfig config_;
@@ -54,7 +65,10 @@ class OfflineRun {
   ObservationLog* log_ = nullptr;
   SensorMerger merger_;
   CekfSlam filter_;
+  MapSchedule map_schedule_;
+  std::vector<std::unique_ptr<SuiteStage>> stages_;
   FilterMode mode_ = FilterMode::kInitialising;
+  std::size_t map_corrections_ = 0;  ///< up to the last scan
   std::size_t scans_in_ = 0;
   std::map<std::string, std::size_t> incidents_;
 };

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "common/error.h"
 #include "common/json.h"
-#include "common/number_text.h"
 #include "common/unfinished_file.h"
+#include "pipeline/csv_line.h"
 
 namespace hymm::core {
 namespace {
@@ -16,28 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostWaitingBytes = 1 << 20;
-
-std::string field(double value) { return numberText(value); }
-std::string field(int value) { return std::to_string(value); }
-std::string field(std::size_t value) { return std::to_string(value); }
-
-/// A text as a CSV field: quoted where a comma, a quote or a line break would break the line.
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
-template <class First, class... Rest>
-std::string lineOf(char separator, const First& first, const Rest&... rest) {
-  std::string line = field(first);
-  ((line += separator, line += field(rest)), ...);
-  return line;
-}
 
 std::string typeName(LandmarkType type) {
   switch (type) {
@@ -70,9 +47,9 @@ std::string landmarksText(const LandmarkMap& map) {
   std::string text = "id,type,x,y,cxx,cxy,cyy,diameter,observations\n";
   for (const LandmarkEstimate& landmark : map.landmarks) {
     const Eigen::Matrix2d& C = landmark.covariance;
-    text += lineOf(',', landmark.id, typeName(landmark.type), landmark.position.x(),
-                   landmark.position.y(), C(0, 0), C(0, 1), C(1, 1), landmark.diameter_m,
-                   landmark.observations);
+    text += csvLine(',', landmark.id, typeName(landmark.type), landmark.position.x(),
+                    landmark.position.y(), C(0, 0), C(0, 1), C(1, 1), landmark.diameter_m,
+                    landmark.observations);
     text += '\n';
   }
   return text;
@@ -114,11 +91,11 @@ void ResultsWriter::addScan(const ScanRecord& record) {
   const Pose2& pose = record.pose.T_map_base;
   const Eigen::Matrix3d& P = record.pose.covariance;
   const FilterHealth& health = record.health;
-  trajectory_.add(lineOf(' ', t, pose.x_m, pose.y_m, 0, 0, 0, std::sin(pose.yaw_rad / 2.0),
-                         std::cos(pose.yaw_rad / 2.0)));
-  covariance_.add(lineOf(',', t, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)));
-  health_.add(lineOf(',', t, health.nis, health.dof, health.ambiguity, health.unexplained,
-                     health.missed, health.latency_ms, record.mode));
+  trajectory_.add(csvLine(' ', t, pose.x_m, pose.y_m, 0, 0, 0, std::sin(pose.yaw_rad / 2.0),
+                          std::cos(pose.yaw_rad / 2.0)));
+  covariance_.add(csvLine(',', t, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)));
+  health_.add(csvLine(',', t, health.nis, health.dof, health.ambiguity, health.unexplained,
+                      health.missed, health.latency_ms, record.mode));
   mode_ = record.mode;
   ++scans_;
   if (!first_s_) first_s_ = t;
@@ -132,7 +109,7 @@ void ResultsWriter::addScan(const ScanRecord& record) {
 
 void ResultsWriter::addGps(const GpsFix& fix) {
   const Eigen::Matrix2d& C = fix.covariance;
-  gps_.add(lineOf(',', fix.time_s, fix.position.x(), fix.position.y(), C(0, 0), C(0, 1), C(1, 1)));
+  gps_.add(csvLine(',', fix.time_s, fix.position.x(), fix.position.y(), C(0, 0), C(0, 1), C(1, 1)));
   ++gps_fixes_;
   gps_alignment_.addFix(fix);
 }
@@ -154,7 +131,7 @@ void ResultsWriter::addReset(double time_s, const std::string& reason) {
 }
 
 void ResultsWriter::addEvent(double time_s, const char* event, const std::string& reason) {
-  events_.add(lineOf(',', time_s, scans_, std::string(event), mode_, reason));
+  events_.add(csvLine(',', time_s, scans_, std::string(event), mode_, reason));
 }
 
 void ResultsWriter::save(const LandmarkMap& map, const RunTotals& totals) {
@@ -165,8 +142,8 @@ void ResultsWriter::save(const LandmarkMap& map, const RunTotals& totals) {
 
 void ResultsWriter::finish(const LandmarkMap& map, const RunTotals& totals) {
   flushLines();
-  replace("landmarks.csv", landmarksText(map));
-  replace("summary.json", summaryText(map, totals));
+  replaceFile(folder_ / "landmarks.csv", landmarksText(map));
+  replaceFile(folder_ / "summary.json", summaryText(map, totals));
 }
 
 void ResultsWriter::flushIfMuchWaits() {
@@ -190,7 +167,7 @@ std::string ResultsWriter::summaryText(const LandmarkMap& map, const RunTotals& 
   json.add("wall_s", totals.wall_s).add("cpu_s", totals.cpu_s);
   json.add("real_time_factor", duration_s / totals.wall_s);
   json.add("peak_rss_mb", totals.peak_rss_mb);
-  json.add("landmarks", map.landmarks.size()).add("ltrs", std::size_t{0});
+  json.add("landmarks", map.landmarks.size()).add("ltrs", totals.ltrs);
   json.add("observations", totals.observations).add("associated", totals.associated);
   json.add("rejected", totals.rejected);
   json.add("scan_latency_ms", latencyJson(latency_)).add("subsystem_cpu_s", cpu);
@@ -211,17 +188,6 @@ std::string ResultsWriter::summaryText(const LandmarkMap& map, const RunTotals& 
   }
   json.add("seed", totals.seed).add("notes", totals.notes);
   return json.text() + '\n';
-}
-
-void ResultsWriter::replace(const char* name, const std::string& content) const {
-  UnfinishedFile unfinished(folder_ / name);
-  std::ofstream file(unfinished.path(), std::ios::binary | std::ios::trunc);
-  file << content;
-  file.close();
-  if (!file) {
-    throw OutputError(unfinished.path().string() + ": could not be written; is the disk full?");
-  }
-  unfinished.complete();
 }
 
 }  // namespace hymm::core

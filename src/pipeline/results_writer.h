@@ -30,6 +30,7 @@ struct RunTotals {
   double peak_rss_mb = 0.0;  ///< MB of 10^6 bytes
   std::map<std::string, double> subsystem_cpu_s;
   std::size_t dropped_scans = 0;  ///< that came, but have no line in trajectory.tum
+  std::size_t ltrs = 0;           ///< of the map at the end
   std::size_t observations = 0;
   std::size_t associated = 0;
   std::size_t rejected = 0;
@@ -83,7 +84,6 @@ class ResultsWriter {
   void flushIfMuchWaits();
   void flushLines();
   std::string summaryText(const LandmarkMap& map, const RunTotals& totals) const;
-  void replace(const char* name, const std::string& content) const;
 
   std::filesystem::path folder_;
   LineFile trajectory_, covariance_, health_, gps_, events_;

@@ -19,6 +19,7 @@ void SuiteConfig::describe(ConfigSchema& schema) {
   schema.group("vehicle", vehicle);
   schema.group("cekf_slam", cekf_slam);
   schema.group("dead_reckoning", dead_reckoning);
+  schema.group("hymm_grid", hymm_grid);
   schema.group("supervisor", supervisor);
 }
 

@@ -6,6 +6,7 @@
 
 #include "cekf/cekf_slam_config.h"
 #include "common/config.h"
+#include "pipeline/hymm_grid_config.h"
 #include "supervisor/supervisor_decision.h"
 #include "vehicle/dead_reckoning_config.h"
 #include "vehicle/vehicle_config.h"
@@ -18,6 +19,7 @@ struct SuiteConfig {
   VehicleConfig vehicle;
   CekfSlamConfig cekf_slam;
   DeadReckoningConfig dead_reckoning;
+  HymmGridConfig hymm_grid;
   SupervisorConfig supervisor;
   bool vehicle_tells_laser = false;  ///< whether a file said where the laser stands
 

@@ -4,6 +4,11 @@
 #include "ros/time_conversions.h"
 
 namespace hymm {
+namespace {
+
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+}  // namespace
 
 FilterPose toMessage(const core::PoseEstimate& estimate, const std::string& frame_id) {
   FilterPose message;
@@ -11,6 +16,7 @@ FilterPose toMessage(const core::PoseEstimate& estimate, const std::string& fram
   message.header.frame_id = frame_id;
   message.pose = toMessage(estimate.T_map_base, estimate.covariance);
   message.map_version = estimate.map_version;
+  Eigen::Map<RowMajor3>(message.relative_covariance.data()) = estimate.relative_covariance;
   return message;
 }
 
@@ -20,6 +26,7 @@ core::PoseEstimate fromMessage(const FilterPose& message) {
   estimate.T_map_base = fromMessage(message.pose.pose);
   estimate.covariance = planarCovariance(message.pose);
   estimate.map_version = message.map_version;
+  estimate.relative_covariance = Eigen::Map<const RowMajor3>(message.relative_covariance.data());
   return estimate;
 }
 

@@ -20,7 +20,7 @@ FilterOutput::FilterOutput(ros::NodeHandle handle, const core::CekfSlamConfig& c
                            std::string map_frame)
     : map_frame_(std::move(map_frame)),
       block_range_m_(config.landmark_block_range_m),
-      map_period_s_(1.0 / config.landmark_rate_hz) {
+      schedule_(config) {
   observations_ = handle.advertise<LandmarkObservations>("landmark_observations", kQueue);
   landmarks_ = handle.advertise<LandmarkMap>("landmarks", 10, kLatched);
   updates_ = handle.advertise<LandmarkUpdate>("landmark_updates", kQueue);
@@ -35,10 +35,10 @@ FilterOutput::FilterOutput(ros::NodeHandle handle, const core::CekfSlamConfig& c
 void FilterOutput::publish(core::CekfSlam& filter, const core::ScanOutcome& outcome,
                            const std_msgs::Header& scan, std::size_t dropped_scans) {
   send(observations_, toMessage(outcome.observations, scan.frame_id), scan.stamp);
-  const core::LandmarkUpdate update = filter.takeUpdate();
-  send(updates_, toMessage(update, outcome.pose.time_s, map_frame_), scan.stamp);
+  LandmarkUpdate update = toMessage(filter.takeUpdate(), outcome.pose.time_s, map_frame_);
   const FilterHealth health = healthMessage(filter, outcome, dropped_scans);
-  if (mapIsDue(outcome.pose.time_s, health.map_correction)) publishMap(filter);
+  update.map_follows = publishMapIfDue(filter, outcome.pose.time_s, health.map_correction);
+  send(updates_, update, scan.stamp);
   send(pose_, toMessage(outcome.pose, map_frame_), scan.stamp);
   send(health_, health, scan.stamp);
   if (observation_markers_.getNumSubscribers() > 0) {
@@ -54,10 +54,13 @@ void FilterOutput::send(const ros::Publisher& publisher, Message message,
 }
 
 void FilterOutput::publishMapIfChanged(core::CekfSlam& filter) {
-  if (!map_time_s_ || filter.mapVersion() != map_version_) publishMap(filter);
+  if (!map_was_sent_ || filter.mapVersion() != map_version_) publishMap(filter);
 }
 
-void FilterOutput::reset(core::CekfSlam& filter) { publishMap(filter); }
+void FilterOutput::reset(core::CekfSlam& filter) {
+  schedule_.reset();
+  publishMap(filter);
+}
 
 FilterHealth FilterOutput::healthMessage(core::CekfSlam& filter, const core::ScanOutcome& outcome,
                                          std::size_t dropped_scans) {
@@ -89,16 +92,18 @@ FilterHealth FilterOutput::healthMessage(core::CekfSlam& filter, const core::Sca
   return message;
 }
 
-bool FilterOutput::mapIsDue(double time_s, bool large_correction) const {
-  return large_correction || map_is_overdue_ || !map_time_s_ ||
-         time_s >= *map_time_s_ + map_period_s_ || time_s < *map_time_s_;
+bool FilterOutput::publishMapIfDue(core::CekfSlam& filter, double time_s, bool large_correction) {
+  if (!map_is_overdue_ && !schedule_.isDue(time_s, large_correction)) return false;
+  schedule_.note(time_s);
+  return publishMap(filter);
 }
 
-void FilterOutput::publishMap(core::CekfSlam& filter) {
+/// False, and the map is overdue, while the last one is still on its way.
+bool FilterOutput::publishMap(core::CekfSlam& filter) {
   map_is_overdue_ = map_on_its_way_->exchange(true);
-  if (map_is_overdue_) return;
+  if (map_is_overdue_) return false;
   map_version_ = filter.mapVersion();
-  map_time_s_ = filter.pose().time_s;
+  map_was_sent_ = true;
   filter.requestMap(block_range_m_, [on_its_way = map_on_its_way_, landmarks = landmarks_,
                                      markers = landmark_markers_, range_m = block_range_m_,
                                      frame = map_frame_](const core::LandmarkMap& map) {
@@ -106,6 +111,7 @@ void FilterOutput::publishMap(core::CekfSlam& filter) {
     markers.publish(landmarkMarkers(map, frame));
     *on_its_way = false;
   });
+  return true;
 }
 
 }  // namespace hymm

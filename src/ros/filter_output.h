@@ -2,13 +2,13 @@
 
 #include <atomic>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include <hymm/FilterHealth.h>
 #include <ros/node_handle.h>
 
 #include "cekf/cekf_slam.h"
+#include "cekf/map_schedule.h"
 
 namespace hymm {
 
@@ -32,17 +32,17 @@ class FilterOutput {
  private:
   FilterHealth healthMessage(core::CekfSlam& filter, const core::ScanOutcome& outcome,
                              std::size_t dropped_scans);
-  bool mapIsDue(double time_s, bool large_correction) const;
-  void publishMap(core::CekfSlam& filter);
+  bool publishMapIfDue(core::CekfSlam& filter, double time_s, bool large_correction);
+  bool publishMap(core::CekfSlam& filter);
   template <class Message>
   void send(const ros::Publisher& publisher, Message message, const ros::Time& stamp) const;
 
   std::string map_frame_;
   double block_range_m_;
-  double map_period_s_;
   std::uint64_t map_version_ = 0;  ///< of the last map asked for
   std::shared_ptr<std::atomic<bool>> map_on_its_way_ = std::make_shared<std::atomic<bool>>(false);
-  std::optional<double> map_time_s_;
+  core::MapSchedule schedule_;
+  bool map_was_sent_ = false;
   bool map_is_overdue_ = false;  ///< the last one asked for was still on its way
   std::size_t map_corrections_ = 0;
   ros::Publisher observations_, landmarks_, updates_, pose_, health_;

@@ -12,6 +12,7 @@
 #include "pipeline/offline_run.h"
 #include "pipeline/results_writer.h"
 #include "pipeline/suite_config.h"
+#include "pipeline/suite_stages.h"
 #include "ros/parameters.h"
 #include "ros/process_usage.h"
 #include "tools/offline_source.h"
@@ -46,7 +47,8 @@ void describe(CLI::App& app, Options& options) {
   app.add_flag("--observations", options.observations,
                "also write observations.csv: each observation and its landmark");
   app.add_option("--only", options.only,
-                 "subsystems to run, by their nodes' names, comma-separated")
+                 "subsystems to run, by their nodes' names, comma-separated; all if not given: " +
+                     core::listOf(core::nodeNames()))
       ->delimiter(',');
   app.add_option("--topic", options.topics, "another name of a topic, as scan:=/front/scan");
 }
@@ -57,16 +59,6 @@ core::SuiteConfig readConfig(const Options& options) {
   for (const std::string& warning : report.warnings) std::cerr << "Warning: " << warning << '\n';
   report.throwIfUnusable();
   return config;
-}
-
-void checkSubsystems(const std::vector<std::string>& only) {
-  std::vector<std::string> problems;
-  for (const std::string& name : only) {
-    if (name == "cekf_slam") continue;
-    problems.push_back("--only: there is no subsystem '" + name +
-                       "' in this version; there is cekf_slam.");
-  }
-  if (!problems.empty()) throw core::ConfigError(problems);
 }
 
 std::vector<std::string> run(const Options& options, const core::SuiteConfig& config,
@@ -83,10 +75,10 @@ std::vector<std::string> run(const Options& options, const core::SuiteConfig& co
 
 void runOffline(const Options& options) {
   const auto start = std::chrono::steady_clock::now();
-  checkSubsystems(options.only);
+  const std::vector<std::string> nodes = core::chosenNodes(options.only);
   const core::SuiteConfig config = readConfig(options);
   core::ResultsWriter results(options.output);
-  core::OfflineRun offline(config, results);
+  core::OfflineRun offline(config, nodes, results);
   std::optional<core::ObservationLog> log;
   if (options.observations) offline.logObservations(log.emplace(options.output));
   const std::vector<std::string> notes = run(options, config, offline);
@@ -94,6 +86,7 @@ void runOffline(const Options& options) {
   if (offline.scans() == 0) throw core::InputError("No scan could be used; nothing was estimated.");
 
   if (log) log->finish();
+  offline.writeFiles(options.output);
   core::RunTotals totals = offline.totals();
   totals.notes = notes;
   totals.seed = options.seed;

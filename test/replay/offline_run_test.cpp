@@ -11,6 +11,7 @@
 namespace hymm {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -73,8 +74,8 @@ TEST_F(Offline, TwoRunsLeaveTheSameBytesTimesAside) {
   const std::string bag = test::writeDriveBag(folder_ / "a.bag", {});
   ASSERT_EQ(run(bag, "first").exit_code, 0);
   ASSERT_EQ(run(bag, "second").exit_code, 0);
-  for (const char* file :
-       {"trajectory.tum", "pose_covariance.csv", "landmarks.csv", "gps.csv", "events.csv"}) {
+  for (const char* file : {"trajectory.tum", "pose_covariance.csv", "landmarks.csv", "gps.csv",
+                           "events.csv", "ltrs.csv", "map_memory.csv"}) {
     EXPECT_EQ(folder_.read(std::string("first/") + file),
               folder_.read(std::string("second/") + file))
         << file;
@@ -239,7 +240,28 @@ TEST_F(Offline, RefusesSubsystemsThatItDoesNotHave) {
   const test::ToolRun tool =
       run(test::writeDriveBag(folder_ / "a.bag", {}), "results", "--only cekf_slam,hymm_gird");
   EXPECT_NE(tool.exit_code, 0);
-  EXPECT_THAT(tool.err, HasSubstr("hymm_gird"));
+  EXPECT_THAT(tool.err, AllOf(HasSubstr("hymm_gird"), HasSubstr("cekf_slam, hymm_grid")));
+}
+
+TEST_F(Offline, WritesTheDenseMapUnlessItIsLeftOut) {
+  const std::string bag = test::writeDriveBag(folder_ / "a.bag", {});
+  ASSERT_EQ(run(bag, "all").exit_code, 0);
+  EXPECT_GT(summary("all")["ltrs"].as<std::size_t>(), 0u);
+  EXPECT_EQ(lines("all/ltrs.csv"), 1 + summary("all")["ltrs"].as<std::size_t>());
+  EXPECT_TRUE(summary("all")["subsystem_cpu_s"]["hymm_grid"]);
+  EXPECT_EQ(lines("all/map_memory.csv"), 3u);  // at 0 s and 10 s
+
+  ASSERT_EQ(run(bag, "filter", "--only cekf_slam").exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "filter/ltrs.csv"));
+  EXPECT_FALSE(summary("filter")["subsystem_cpu_s"]["hymm_grid"]);
+  EXPECT_EQ(summary("filter")["ltrs"].as<std::size_t>(), 0u);
+}
+
+TEST_F(Offline, TheFilterIsTheSameWithAndWithoutADenseMap) {
+  const std::string bag = test::writeDriveBag(folder_ / "a.bag", {});
+  ASSERT_EQ(run(bag, "all").exit_code, 0);
+  ASSERT_EQ(run(bag, "filter", "--only cekf_slam").exit_code, 0);
+  EXPECT_EQ(folder_.read("all/trajectory.tum"), folder_.read("filter/trajectory.tum"));
 }
 
 TEST_F(Offline, EvaluatesWhatItWrote) {

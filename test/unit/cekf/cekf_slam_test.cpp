@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include "cekf/observation_model.h"
 #include "common/error.h"
 #include "simulation/simulation.h"
+#include "support/shipped_config.h"
 
 namespace hymm::core {
 namespace {
@@ -268,27 +268,7 @@ TEST(CekfSlam, RepeatsItself) {
 }
 
 TEST(CekfSlamConfig, IsDocumentedByItsShippedFile) {
-  const char* source = std::getenv("HYMM_SOURCE_DIR");
-  ASSERT_NE(source, nullptr);
-  const YAML::Node file = YAML::LoadFile(std::string(source) + "/config/cekf_slam.yaml");
-  CekfSlamConfig defaults;
-  ConfigSchema schema;
-  defaults.describe(schema);
-  for (const auto& entry : schema.entries()) {
-    YAML::Node node = YAML::Clone(file["cekf_slam"]);
-    std::string rest = entry.path;
-    while (node && !rest.empty()) {
-      const std::size_t dot = rest.find('.');
-      node = YAML::Clone(node[rest.substr(0, dot)]);
-      rest = dot == std::string::npos ? "" : rest.substr(dot + 1);
-    }
-    ASSERT_TRUE(node && node.IsScalar()) << entry.path << " is missing";
-    std::visit(
-        [&](const auto* value) {
-          EXPECT_EQ(node.as<std::decay_t<decltype(*value)>>(), *value) << entry.path;
-        },
-        entry.value);
-  }
+  test::expectDocumentedByShippedFile("cekf_slam", CekfSlamConfig());
 }
 
 }  // namespace

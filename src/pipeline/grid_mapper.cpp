@@ -1,0 +1,68 @@
+#include "pipeline/grid_mapper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+#include "common/cpu_timer.h"
+
+namespace hymm::core {
+
+PosedScan posedScan(const ScanEvent& event, const PoseEstimate& pose) {
+  PosedScan posed;
+  posed.scan = event.scan;
+  posed.T_map_laser = pose.T_map_base * event.T_base_laser;
+  posed.map_version = pose.map_version;
+  // An error of the heading shifts the sensor, which stands at `arm` from base_link.
+  const Eigen::Vector2d arm = posed.T_map_laser.position() - pose.T_map_base.position();
+  Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
+  J.topRightCorner<2, 1>() << -arm.y(), arm.x();
+  const Eigen::Matrix3d C = J * pose.relative_covariance * J.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(C.topLeftCorner<2, 2>(),
+                                                            Eigen::EigenvaluesOnly);
+  posed.pose_deviation_m = std::sqrt(std::max(0.0, axes.eigenvalues()[1]));
+  posed.heading_deviation_rad = std::sqrt(std::max(0.0, C(2, 2)));
+  return posed;
+}
+
+MappedOutcome GridMapper::process(const MappedScan& step) {
+  const CpuTimer timer(cpu_s_);
+  MappedOutcome outcome;
+  const MapOutcome landmarks = follow(step);
+  outcome.follows = landmarks.accepted;
+  outcome.topology =
+      step.map || !landmarks.change.created.empty() || !landmarks.change.retired.empty();
+  if (!landmarks.accepted) {
+    ++counts_.without_landmarks;
+    outcome.reason = landmarks.reason;
+  } else if (step.scan) {
+    const MapOutcome scan = map_.insert(posedScan(*step.scan, step.pose));
+    outcome.written = scan.accepted;
+    outcome.reason = scan.reason;
+    if (!scan.accepted) ++counts_.not_written;
+  }
+  return outcome;
+}
+
+MapOutcome GridMapper::follow(const MappedScan& step) {
+  if (!step.map) return map_.apply(step.update);
+  landmarks_ = step.map;
+  return map_.apply(*step.map);
+}
+
+MapOutcome GridMapper::insert(const PropertySample& sample) {
+  const CpuTimer timer(cpu_s_);
+  return map_.insert(sample);
+}
+
+void GridMapper::reset() {
+  map_.reset();
+  landmarks_.reset();
+}
+
+std::vector<LtrTopology> GridMapper::topology() const {
+  return map_.topology(landmarks_ ? *landmarks_ : LandmarkMap());
+}
+
+}  // namespace hymm::core

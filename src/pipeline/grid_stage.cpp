@@ -1,0 +1,45 @@
+#include "pipeline/grid_stage.h"
+
+#include "common/unfinished_file.h"
+
+namespace hymm::core {
+
+void GridStage::takeScan(const ScanStep& step, CekfSlam& filter) {
+  MappedScan mapped;
+  mapped.pose = step.outcome.pose;
+  mapped.update = step.update;
+  mapped.map = step.map;
+  if (const auto* scan = std::get_if<ScanEvent>(&step.event)) mapped.scan = *scan;
+  const MappedOutcome outcome = mapper_.process(mapped);
+  const double time_s = step.outcome.pose.time_s;
+  if (outcome.topology) filter.pinLandmarks(time_s, mapper_.map().pinnedLandmarks());
+  if (memory_log_.isDue(time_s)) memory_log_.add(memoryOf(mapper_.map(), time_s));
+}
+
+void GridStage::reset(double) { mapper_.reset(); }
+
+void GridStage::addTo(RunTotals& totals) const {
+  totals.subsystem_cpu_s[kName] = mapper_.cpu_s();
+  totals.ltrs = mapper_.topology().size();
+}
+
+std::map<std::string, std::size_t> GridStage::incidents() const {
+  std::map<std::string, std::size_t> incidents;
+  const auto add = [&](const char* what, std::size_t count) {
+    if (count > 0) incidents[what] = count;
+  };
+  const HybridMap::Counts& map = mapper_.map().counts();
+  add("scans not written into the map: the pose is not certain enough relative to the landmarks",
+      mapper_.counts().not_written);
+  add("landmark maps or updates that the dense map refused", map.refused_landmarks);
+  add("tiles of observations outside of every LTR dropped for want of memory",
+      map.dropped_waiting_tiles);
+  return incidents;
+}
+
+void GridStage::write(const std::filesystem::path& folder) {
+  replaceFile(folder / "ltrs.csv", ltrsText(mapper_.topology()));
+  replaceFile(folder / "map_memory.csv", memory_log_.text());
+}
+
+}  // namespace hymm::core

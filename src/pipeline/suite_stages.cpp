@@ -1,0 +1,71 @@
+#include "pipeline/suite_stages.h"
+
+#include <algorithm>
+
+#include "common/error.h"
+#include "pipeline/grid_stage.h"
+
+namespace hymm::core {
+namespace {
+
+constexpr const char* kFilter = "cekf_slam";
+
+struct StageKind {
+  const char* name;
+  std::unique_ptr<SuiteStage> (*make)(const SuiteConfig&);
+};
+
+const std::vector<StageKind>& stageKinds() {
+  static const std::vector<StageKind> kinds = {
+      {GridStage::kName,
+       [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
+         return std::make_unique<GridStage>(config.hymm_grid);
+       }},
+  };
+  return kinds;
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+std::vector<std::string> nodeNames() {
+  std::vector<std::string> names = {kFilter};
+  for (const StageKind& kind : stageKinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+std::string listOf(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+std::vector<std::string> chosenNodes(const std::vector<std::string>& only) {
+  const std::vector<std::string> known = nodeNames();
+  if (only.empty()) return known;
+  std::vector<std::string> problems;
+  for (const std::string& name : only) {
+    if (contains(known, name)) continue;
+    problems.push_back("--only: there is no subsystem '" + name + "' in this version; there are " +
+                       listOf(known) + ".");
+  }
+  if (!contains(only, kFilter)) {
+    problems.push_back(std::string("--only: all others need ") + kFilter + "; name it as well.");
+  }
+  if (!problems.empty()) throw ConfigError(problems);
+  return only;
+}
+
+std::vector<std::unique_ptr<SuiteStage>> makeStages(const std::vector<std::string>& nodes,
+                                                    const SuiteConfig& config) {
+  std::vector<std::unique_ptr<SuiteStage>> stages;
+  for (const StageKind& kind : stageKinds()) {
+    if (contains(nodes, kind.name)) stages.push_back(kind.make(config));
+  }
+  return stages;
+}
+
+}  // namespace hymm::core

@@ -1,0 +1,143 @@
+#include "pipeline/grid_mapper.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/shipped_config.h"
+
+namespace hymm::core {
+namespace {
+
+using testing::HasSubstr;
+using testing::SizeIs;
+
+/// Three landmarks around the origin that span an LTR of 14 m.
+std::shared_ptr<LandmarkMap> triangle(std::uint64_t version) {
+  auto map = std::make_shared<LandmarkMap>();
+  map->version = version;
+  const double places[3][2] = {{-5.0, -5.0}, {10.0, -5.0}, {-5.0, 10.0}};
+  for (int id = 0; id < 3; ++id) {
+    LandmarkEstimate landmark;
+    landmark.id = id;
+    landmark.position = {places[id][0], places[id][1]};
+    landmark.covariance = 0.01 * Eigen::Matrix2d::Identity();
+    landmark.observations = 20;
+    map->landmarks.push_back(landmark);
+    for (int other = 0; other < id; ++other) {
+      map->cross_covariances.push_back({other, id, 0.0099 * Eigen::Matrix2d::Identity()});
+    }
+  }
+  return map;
+}
+
+/// A scan with one beam of 2 m straight ahead, from base_link at the origin.
+MappedScan stepOf(std::uint64_t version) {
+  MappedScan step;
+  step.pose.map_version = version;
+  step.pose.time_s = 0.1 * static_cast<double>(version);
+  step.update.since_version = version - 1;
+  step.update.version = version;
+  ScanEvent event;
+  event.scan.time_s = step.pose.time_s;
+  event.scan.angle_increment_rad = 0.01;
+  event.scan.range_max_m = 80.0;
+  event.scan.ranges_m = {2.0F};
+  step.scan = event;
+  return step;
+}
+
+MappedScan stepWithMap(std::uint64_t version) {
+  MappedScan step = stepOf(version);
+  step.map = triangle(version);
+  return step;
+}
+
+bool isOccupied(const GridMapper& mapper, const Eigen::Vector2d& place) {
+  const LayerQuery answer = mapper.map().query("occupancy", place);
+  return answer.value && answer.value->value > 0.5;
+}
+
+TEST(GridMapper, WritesEachScanAmongTheLandmarksOfItsVersion) {
+  GridMapper mapper{HymmGridConfig()};
+  const MappedOutcome first = mapper.process(stepWithMap(5));
+  EXPECT_TRUE(first.follows);
+  EXPECT_TRUE(first.written);
+  EXPECT_TRUE(first.topology);
+  EXPECT_THAT(mapper.topology(), SizeIs(1));
+  EXPECT_TRUE(isOccupied(mapper, {2.0, 0.01}));
+
+  MappedScan moved = stepOf(6);  // the whole neighbourhood was 1 m off
+  const auto landmarks = triangle(6);
+  for (LandmarkEstimate landmark : landmarks->landmarks) {
+    landmark.position.x() += 1.0;
+    moved.update.changed.push_back(landmark);
+  }
+  moved.scan.reset();
+  EXPECT_TRUE(mapper.process(moved).follows);
+  EXPECT_TRUE(isOccupied(mapper, {3.0, 0.01}));
+  EXPECT_FALSE(isOccupied(mapper, {2.0, 0.01}));
+}
+
+TEST(GridMapper, WaitsForAWholeMapWhereChangesAreMissing) {
+  GridMapper mapper{HymmGridConfig()};
+  mapper.process(stepWithMap(5));
+  const MappedOutcome missed = mapper.process(stepOf(8));  // since 7
+  EXPECT_FALSE(missed.follows);
+  EXPECT_FALSE(missed.written);
+  EXPECT_THAT(missed.reason, HasSubstr("whole map"));
+  EXPECT_EQ(mapper.counts().without_landmarks, 1u);
+  EXPECT_TRUE(mapper.process(stepWithMap(9)).written);
+  EXPECT_TRUE(mapper.process(stepOf(10)).written);
+}
+
+TEST(GridMapper, DoesNotWriteWhereThePoseIsNotCertainAmongTheLandmarks) {
+  GridMapper mapper{HymmGridConfig()};
+  MappedScan step = stepWithMap(1);
+  step.pose.covariance = 100.0 * Eigen::Matrix3d::Identity();  // in map: does no harm
+  EXPECT_TRUE(mapper.process(step).written);
+  step = stepOf(2);
+  step.pose.relative_covariance(0, 0) = 0.25;
+  const MappedOutcome outcome = mapper.process(step);
+  EXPECT_TRUE(outcome.follows);
+  EXPECT_FALSE(outcome.written);
+  EXPECT_THAT(outcome.reason, HasSubstr("not certain enough"));
+  EXPECT_EQ(mapper.counts().not_written, 1u);
+}
+
+TEST(GridMapper, BeginsAnewWithTheFilter) {
+  GridMapper mapper{HymmGridConfig()};
+  mapper.process(stepWithMap(5));
+  mapper.reset();
+  EXPECT_THAT(mapper.topology(), SizeIs(0));
+  EXPECT_TRUE(mapper.process(stepWithMap(2)).written);
+}
+
+TEST(PosedScan, StandsWhereTheSensorDoes) {
+  PoseEstimate pose;
+  pose.T_map_base = {10.0, 5.0, kPi / 2.0};
+  ScanEvent event;
+  event.T_base_laser = {3.0, 0.0, 0.0};
+  const PosedScan posed = posedScan(event, pose);
+  EXPECT_NEAR(posed.T_map_laser.x_m, 10.0, 1e-12);
+  EXPECT_NEAR(posed.T_map_laser.y_m, 8.0, 1e-12);
+}
+
+TEST(PosedScan, HeadingErrorShiftsASensorInFrontOfTheVehicle) {
+  PoseEstimate pose;
+  pose.T_map_base = {10.0, 5.0, 0.4};
+  pose.relative_covariance = Eigen::Vector3d(0.0016, 0.0016, 0.0001).asDiagonal();
+  ScanEvent event;
+  event.T_base_laser = {3.0, 0.0, 0.0};
+  const PosedScan posed = posedScan(event, pose);
+  EXPECT_NEAR(posed.pose_deviation_m, std::sqrt(0.0016 + 9.0 * 0.0001), 1e-12);
+  EXPECT_NEAR(posed.heading_deviation_rad, 0.01, 1e-12);
+}
+
+TEST(HymmGridConfig, IsDocumentedByItsShippedFile) {
+  test::expectDocumentedByShippedFile("hymm_grid", HymmGridConfig());
+}
+
+}  // namespace
+}  // namespace hymm::core
