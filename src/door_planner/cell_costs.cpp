@@ -17,7 +17,11 @@ float costOf(const PathCostConfig& config, float probability) {
                                       : static_cast<float>(config.distance + config.unknown);
   }
   if (probability >= static_cast<float>(config.occupied_probability)) return kOccupied;
-  return static_cast<float>(config.distance + config.occupancy * std::max(0.0F, probability));
+  double rounded = std::max(0.0, static_cast<double>(probability));
+  if (config.probability_step > 0.0) {
+    rounded = config.probability_step * std::round(rounded / config.probability_step);
+  }
+  return static_cast<float>(config.distance + config.occupancy * rounded);
 }
 
 }  // namespace

@@ -28,6 +28,8 @@ void PathCostConfig::describe(ConfigSchema& schema) {
                 "of a metre, times the probability that it is occupied");
   schema.number("occupied_probability", occupied_probability, Range::between(0.05, 0.99),
                 "from which nothing passes");
+  schema.number("probability_step", probability_step, Range{0.0, 0.3, false},
+                "to which probabilities are rounded, so that small changes need no new costs");
   schema.number("unknown", unknown, Range::notNegative(),
                 "of a metre in addition where the occupancy is not known");
   schema.flag("unknown_is_occupied", unknown_is_occupied, "nothing passes where it is not known");

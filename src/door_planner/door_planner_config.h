@@ -24,6 +24,7 @@ struct PathCostConfig {
   double distance = 1.0;
   double occupancy = 2.0;
   double occupied_probability = 0.6;
+  double probability_step = 0.1;
   double unknown = 3.0;
   bool unknown_is_occupied = false;
   std::string properties;

@@ -1,0 +1,208 @@
+#include "door_planner/door_graph.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hymm::core {
+namespace {
+
+/// Weight of the vertex opposite to side k, which is 0 on the side: linear in local coordinates.
+double weightOpposite(int side, const Triangle::Local& local) {
+  if (side == 0) return local.y();
+  if (side == 1) return 1.0 - local.x() - local.y();
+  return local.x();
+}
+
+double rateOpposite(int side, const Triangle::Local& along) {
+  if (side == 0) return along.y();
+  if (side == 1) return -along.x() - along.y();
+  return along.x();
+}
+
+/// The side across which a line leaves an LTR that it is in at share `at`, and the share where.
+int exitOf(const Triangle::Local& from, const Triangle::Local& along, double at, double& leave) {
+  int exit = kNone;
+  leave = 1.0;
+  for (int k = 0; k < 3; ++k) {
+    const double rate = rateOpposite(k, along);
+    if (rate >= 0.0 || weightOpposite(k, from) + rate >= -kBorderTolerance) continue;
+    const double crossing = std::max(at, -weightOpposite(k, from) / rate);
+    if (exit == kNone || crossing < leave) {
+      exit = k;
+      leave = crossing;
+    }
+  }
+  return exit;
+}
+
+}  // namespace
+
+DoorGraph::DoorGraph(std::vector<GraphLtr> ltrs, std::vector<GraphSide> sides,
+                     double max_metric_error, double shape_tolerance)
+    : ltrs_(std::move(ltrs)), sides_(std::move(sides)), max_metric_error_(max_metric_error) {
+  numberPortals();
+  for (const GraphLtr& ltr : ltrs_) {
+    if (ltr.costs) least_ = std::min(least_, ltr.costs->leastPerMetre());
+  }
+  least_ /= 1.0 + shape_tolerance;
+  index();
+}
+
+void DoorGraph::numberPortals() {
+  int count = 0;
+  for (GraphSide& side : sides_) {
+    side.first_portal = count;
+    side.portals = side.doors ? static_cast<int>(side.doors->portals.size()) : 0;
+    count += side.portals;
+  }
+  places_.resize(std::size_t(count));
+  side_of_portal_.resize(std::size_t(count));
+  for (GraphLtr& ltr : ltrs_) {
+    for (int k = 0; k < 3; ++k) {
+      const int number = ltr.sides[std::size_t(k)];
+      const int portals = number == kNone ? 0 : side(number).portals;
+      ltr.first_portal[std::size_t(k) + 1] = ltr.first_portal[std::size_t(k)] + portals;
+      for (int i = 0; i < portals; ++i) {
+        const std::size_t portal = std::size_t(side(number).first_portal + i);
+        side_of_portal_[portal] = number;
+        places_[portal] = ltr.triangle.toGlobal(
+            placeOnSide(ltr.view, k, side(number).doors->portals[std::size_t(i)]));
+      }
+    }
+  }
+}
+
+int DoorGraph::portalIn(int ltr_number, int portal) const {
+  const GraphLtr& of = ltr(ltr_number);
+  const int number = sideOf(portal);
+  const int k = of.sides[0] == number ? 0 : of.sides[1] == number ? 1 : 2;
+  return of.first_portal[std::size_t(k)] + portal - side(number).first_portal;
+}
+
+Triangle::Local DoorGraph::localOf(int ltr_number, int portal) const {
+  const GraphLtr& of = ltr(ltr_number);
+  const int number = sideOf(portal);
+  const int k = of.sides[0] == number ? 0 : of.sides[1] == number ? 1 : 2;
+  return placeOnSide(of.view, k,
+                     side(number).doors->portals[std::size_t(portal - side(number).first_portal)]);
+}
+
+std::uint64_t DoorGraph::doorOf(int portal) const {
+  const GraphSide& of = side(sideOf(portal));
+  const std::size_t index = std::size_t(portal - of.first_portal);
+  for (const Door& door : of.doors->doors) {
+    if (index < door.first_portal + door.portals) return door.id;
+  }
+  return 0;
+}
+
+void DoorGraph::index() {
+  if (ltrs_.empty()) return;
+  Eigen::Vector2d low = ltrs_.front().view.corners[0], high = low;
+  double extent = 0.0;
+  for (const GraphLtr& ltr : ltrs_) {
+    extent += std::sqrt(2.0 * std::abs(ltr.triangle.measure()));
+    for (const Eigen::Vector2d& corner : ltr.view.corners) {
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
+    }
+  }
+  low_ = low;
+  bucket_m_ = std::max(extent / static_cast<double>(ltrs_.size()), 1e-3);
+  // However far LTRs lie apart, there are not many more buckets than LTRs.
+  const double limit = 16.0 * static_cast<double>(ltrs_.size()) + 64.0;
+  while ((high - low).prod() / (bucket_m_ * bucket_m_) > limit ||
+         (high - low).sum() / bucket_m_ > limit) {
+    bucket_m_ *= 2.0;
+  }
+  const Eigen::Vector2i size = ((high - low) / bucket_m_).cast<int>() + Eigen::Vector2i::Ones();
+  bucket_columns_ = size.x();
+  bucket_rows_ = size.y();
+  const auto visitBuckets = [&](const GraphLtr& ltr, auto&& visit) {
+    const Corners& c = ltr.view.corners;
+    const Eigen::Vector2d least = c[0].cwiseMin(c[1]).cwiseMin(c[2]) - low_;
+    const Eigen::Vector2d most = c[0].cwiseMax(c[1]).cwiseMax(c[2]) - low_;
+    const Eigen::Vector2i from = (least / bucket_m_).cast<int>(),
+                          to = (most / bucket_m_).cast<int>();
+    for (int y = from.y(); y <= to.y(); ++y) {
+      for (int x = from.x(); x <= to.x(); ++x) visit(std::size_t(y * bucket_columns_ + x));
+    }
+  };
+  bucket_starts_.assign(std::size_t(size.prod()) + 1, 0);
+  for (const GraphLtr& ltr : ltrs_) {
+    visitBuckets(ltr, [&](std::size_t bucket) { ++bucket_starts_[bucket + 1]; });
+  }
+  for (std::size_t i = 1; i < bucket_starts_.size(); ++i)
+    bucket_starts_[i] += bucket_starts_[i - 1];
+  bucket_ltrs_.resize(std::size_t(bucket_starts_.back()));
+  std::vector<int> next(bucket_starts_.begin(), bucket_starts_.end() - 1);
+  for (std::size_t i = 0; i < ltrs_.size(); ++i) {
+    visitBuckets(ltrs_[i], [&](std::size_t bucket) {
+      bucket_ltrs_[std::size_t(next[bucket]++)] = static_cast<int>(i);
+    });
+  }
+}
+
+std::int64_t DoorGraph::bucketOf(const Eigen::Vector2d& point) const {
+  const Eigen::Vector2d place = (point - low_) / bucket_m_;
+  if (!(place.minCoeff() >= 0.0) || place.x() >= bucket_columns_ || place.y() >= bucket_rows_) {
+    return -1;
+  }
+  return std::int64_t(place.y()) * bucket_columns_ + std::int64_t(place.x());
+}
+
+int DoorGraph::locate(const Eigen::Vector2d& point) const {
+  const std::int64_t bucket = bucketOf(point);
+  if (bucket < 0) return kNone;
+  const int begin = bucket_starts_[std::size_t(bucket)],
+            end = bucket_starts_[std::size_t(bucket) + 1];
+  for (int i = begin; i < end; ++i) {
+    const int number = bucket_ltrs_[std::size_t(i)];
+    if (ltr(number).triangle.contains(point)) return number;
+  }
+  return kNone;
+}
+
+double DoorGraph::integrate(int start_ltr, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                            bool weighted) const {
+  const double length_m = (to - from).norm();
+  double sum = 0.0, at = 0.0;
+  int number = start_ltr;
+  // A line crosses each LTR once; more steps mean that rounding leads round a vertex.
+  for (std::size_t steps = 0; steps <= ltrs_.size() && number != kNone; ++steps) {
+    const GraphLtr& here = ltr(number);
+    if (!here.costs) return kNoPassing;
+    const Triangle::Local begin = here.triangle.toLocal(from);
+    const Triangle::Local along = here.triangle.toLocal(to) - begin;
+    double leave = 1.0;
+    const int exit = exitOf(begin, along, at, leave);
+    if (leave > at || exit == kNone) {
+      sum +=
+          (weighted ? here.factor : 1.0) *
+          here.costs->integrate(begin + at * along, begin + leave * along, (leave - at) * length_m);
+      if (sum == kNoPassing || exit == kNone) return sum;
+    }
+    at = leave;
+    number = here.neighbours[std::size_t(exit)];
+  }
+  return kNoPassing;
+}
+
+std::size_t DoorGraph::bytes() const {
+  std::size_t sum = sizeof(*this) + ltrs_.capacity() * sizeof(GraphLtr) +
+                    sides_.capacity() * sizeof(GraphSide) +
+                    places_.capacity() * (sizeof(Eigen::Vector2d) + sizeof(int)) +
+                    (bucket_starts_.capacity() + bucket_ltrs_.capacity()) * sizeof(int);
+  for (const GraphLtr& ltr : ltrs_) {
+    if (ltr.costs) sum += ltr.costs->bytes();
+    if (ltr.matrix) sum += ltr.matrix->bytes();
+  }
+  for (const GraphSide& side : sides_) {
+    if (!side.doors) continue;
+    sum += sizeof(SideDoors) + side.doors->doors.capacity() * sizeof(Door) +
+           side.doors->portals.capacity() * sizeof(double);
+  }
+  return sum;
+}
+
+}  // namespace hymm::core

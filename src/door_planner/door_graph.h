@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "door_planner/cell_costs.h"
+#include "door_planner/cost_matrix.h"
+#include "door_planner/side_doors.h"
+#include "hybrid_map/simplex.h"
+
+namespace hymm::core {
+
+/// An LTR with all that a query needs of it. LTRs, sides and portals are numbered within the graph.
+struct GraphLtr {
+  LtrView view;
+  Triangle triangle;
+  double factor = 1.0;                                 ///< K of (19)
+  std::array<int, 3> neighbours{kNone, kNone, kNone};  ///< across each side
+  std::array<int, 3> sides{kNone, kNone, kNone};
+  std::array<int, 4> first_portal{};         ///< of each side among those of the LTR, and the end
+  std::shared_ptr<const CellCosts> costs;    ///< null while nothing of it is known
+  std::shared_ptr<const CostMatrix> matrix;  ///< null while it is not computed
+};
+
+/// A side between two LTRs.
+struct GraphSide {
+  std::array<int, 2> ltrs{kNone, kNone};
+  int first_portal = 0, portals = 0;
+  std::shared_ptr<const SideDoors> doors;
+};
+
+/// A place in an LTR, by its number in the graph.
+struct GraphPlace {
+  int ltr = kNone;
+  Triangle::Local local = Triangle::Local::Zero();
+};
+
+/// Doors, cost matrices and geometry at one moment. Never changes, so that queries can share it.
+class DoorGraph {
+ public:
+  DoorGraph() = default;
+  /// Portals and places follow from LTRs and sides.
+  DoorGraph(std::vector<GraphLtr> ltrs, std::vector<GraphSide> sides, double max_metric_error,
+            double shape_tolerance);
+
+  const std::vector<GraphLtr>& ltrs() const { return ltrs_; }
+  const GraphLtr& ltr(int number) const { return ltrs_[std::size_t(number)]; }
+  const std::vector<GraphSide>& sides() const { return sides_; }
+  const GraphSide& side(int number) const { return sides_[std::size_t(number)]; }
+
+  int portalCount() const { return static_cast<int>(places_.size()); }
+  /// In map [m].
+  const Eigen::Vector2d& placeOf(int portal) const { return places_[std::size_t(portal)]; }
+  int sideOf(int portal) const { return side_of_portal_[std::size_t(portal)]; }
+  /// Id of the door that a portal belongs to.
+  std::uint64_t doorOf(int portal) const;
+  /// The portal's number among those of one of its LTRs.
+  int portalIn(int ltr, int portal) const;
+  Triangle::Local localOf(int ltr, int portal) const;
+
+  /// Lower bound of the cost of a metre as the crow flies, over all LTRs: mu_min over the share by
+  /// which a length may have shrunk since its cost was computed.
+  double leastPerMetre() const { return least_; }
+  double maxMetricError() const { return max_metric_error_; }
+
+  /// An LTR that contains a point of map; kNone outside of all.
+  int locate(const Eigen::Vector2d& point) const;
+
+  /// K times mu, integrated along a straight line in map that starts in an LTR and may cross
+  /// others; infinite where it is blocked or leaves the map. `weighted` false: without K.
+  double integrate(int start_ltr, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                   bool weighted = true) const;
+
+  std::size_t bytes() const;
+
+ private:
+  void numberPortals();
+  void index();
+  std::int64_t bucketOf(const Eigen::Vector2d& point) const;
+
+  std::vector<GraphLtr> ltrs_;
+  std::vector<GraphSide> sides_;
+  std::vector<Eigen::Vector2d> places_;  ///< of portals
+  std::vector<int> side_of_portal_;
+  double least_ = kNoPassing;
+  double max_metric_error_ = 0.02;
+
+  // LTRs by square buckets of map, those of a bucket one after another.
+  Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
+  double bucket_m_ = 1.0;
+  int bucket_columns_ = 0, bucket_rows_ = 0;
+  std::vector<int> bucket_starts_;
+  std::vector<int> bucket_ltrs_;
+};
+
+}  // namespace hymm::core

@@ -1,0 +1,329 @@
+#include "door_planner/door_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "common/error.h"
+#include "hybrid_map/ltr_geometry.h"
+
+namespace hymm::core {
+namespace {
+
+constexpr double kIndexCell_m = 10.0;
+
+double factorOf(const LtrView& view) {
+  return std::isnan(view.shape_factor) ? 1.0 : std::max(1.0, view.shape_factor);
+}
+
+bool isUsable(const LtrView& view) {
+  for (const Eigen::Vector2d& corner : view.corners) {
+    if (!corner.allFinite()) return false;
+  }
+  return turn(view.corners[0], view.corners[1], view.corners[2]) > 1e-9 && view.alpha_cells > 0 &&
+         view.beta_cells > 0;
+}
+
+int sideOfKey(const LtrView& view, const SideKey& key) {
+  for (int k = 0; k < 3; ++k) {
+    if (sideKeyOf(view, k) == key) return k;
+  }
+  return kNone;
+}
+
+Eigen::Vector2d lowOf(const Corners& c) { return c[0].cwiseMin(c[1]).cwiseMin(c[2]); }
+Eigen::Vector2d highOf(const Corners& c) { return c[0].cwiseMax(c[1]).cwiseMax(c[2]); }
+
+}  // namespace
+
+DoorMap::DoorMap(const DoorPlannerConfig& config) : config_(config), index_(kIndexCell_m) {
+  const std::vector<std::string> problems = config_.problems();
+  if (!problems.empty()) throw ConfigError(problems);
+  std::vector<std::string> ignored;
+  weights_ = config_.cost.weights(ignored);
+}
+
+std::vector<int> DoorMap::setLtrs(const std::vector<LtrView>& ltrs) {
+  std::vector<int> unusable;
+  std::set<int> present;
+  for (const LtrView& view : ltrs) {
+    if (!isUsable(view)) {
+      unusable.push_back(view.id);
+      continue;
+    }
+    present.insert(view.id);
+    Region& region = regions_[view.id];
+    const bool is_same_grid =
+        region.view.alpha_cells == view.alpha_cells && region.view.beta_cells == view.beta_cells;
+    if (!is_same_grid) region = Region();
+    region.view = view;
+    region.triangle = Triangle(view.corners);
+    index_.place(view.id, lowOf(view.corners), highOf(view.corners));
+    touchShape(region);
+  }
+  for (auto region = regions_.begin(); region != regions_.end();) {
+    if (present.count(region->first) > 0) {
+      ++region;
+      continue;
+    }
+    if (region->second.costs) blockAround(region->first);
+    index_.remove(region->first);
+    to_block_.erase(region->first);
+    to_compute_.erase(region->first);
+    region = regions_.erase(region);
+  }
+  connectSides();
+  return unusable;
+}
+
+// The metric, and with it costs, follow the shape alone; K only scales them, but widens doors.
+void DoorMap::touchShape(Region& region) {
+  if (!region.in_force) return;
+  const Eigen::Matrix2d deformation = region.triangle.edges() * region.computed.edgesInverse();
+  const double factor = factorOf(region.view) / region.computed_factor;
+  const bool keeps = keepsShape(deformation, 1.0 + config_.shape_tolerance) &&
+                     std::abs(std::log(factor)) <= config_.shape_tolerance;
+  if (keeps) return;
+  region.in_force.reset();
+  to_block_.insert(region.view.id);
+}
+
+void DoorMap::connectSides() {
+  std::map<SideKey, Side> sides;
+  for (const auto& [id, region] : regions_) {
+    for (int k = 0; k < 3; ++k) {
+      const int other = region.view.neighbours[std::size_t(k)];
+      const auto found = regions_.find(other);
+      if (other <= id || found == regions_.end()) continue;
+      const SideKey key = sideKeyOf(region.view, k);
+      if (sideOfKey(found->second.view, key) == kNone) continue;
+      Side& side = sides[key];
+      side.ltrs = {id, other};
+      const auto before = sides_.find(key);
+      if (before != sides_.end()) side.doors = before->second.doors;
+      if (before == sides_.end() || before->second.ltrs != side.ltrs) to_open_.insert(key);
+    }
+  }
+  for (const auto& [key, side] : sides_) {
+    if (sides.count(key) > 0) continue;
+    // Without its neighbour an LTR has fewer portals.
+    for (const int id : side.ltrs) {
+      if (regions_.count(id) > 0) to_compute_.insert(id);
+    }
+    to_open_.erase(key);
+  }
+  sides_ = std::move(sides);
+}
+
+bool DoorMap::setContent(int ltr, const LtrContent& content) {
+  const auto found = regions_.find(ltr);
+  if (found == regions_.end()) return false;
+  Region& region = found->second;
+  std::shared_ptr<CellCosts> costs;
+  try {
+    costs = std::make_shared<CellCosts>(
+        config_.cost, weights_, gridOf(region.view.alpha_cells, region.view.beta_cells), content);
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+  ++counts_.contents;
+  const bool is_first = !region.costs;
+  const bool same_obstacles = !is_first && costs->obstacles() == region.costs->obstacles();
+  if (same_obstacles) costs->setBlocked(region.costs->blocked());
+  if (same_obstacles && *costs == *region.costs) {
+    ++counts_.unchanged_contents;
+    return true;
+  }
+  const bool blocks =
+      !costs->obstacles().empty() || (!is_first && !region.costs->obstacles().empty());
+  region.costs = std::move(costs);
+  to_block_.insert(ltr);
+  if (blocks && !same_obstacles) blockAround(ltr);
+  return true;
+}
+
+double DoorMap::reach_m(const Region& region) const {
+  const double cell_m = std::max(region.triangle.edges().col(0).norm() / region.view.alpha_cells,
+                                 region.triangle.edges().col(1).norm() / region.view.beta_cells);
+  return 0.5 * config_.vehicle.width_m + cell_m;
+}
+
+void DoorMap::blockAround(int ltr) {
+  const Region& region = regions_.at(ltr);
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(reach_m(region));
+  index_.visit(lowOf(region.view.corners) - reach, highOf(region.view.corners) + reach,
+               [&](int near) { to_block_.insert(near); });
+}
+
+// The vehicle's centre keeps half its width away from every point of an occupied cell, whichever
+// LTR that lies in.
+std::vector<bool> DoorMap::blockedCells(const Region& region) const {
+  const TriangularGrid& grid = region.costs->grid();
+  std::vector<bool> blocked(std::size_t(grid.cellCount()), false);
+  const Eigen::Vector2d per_cell(grid.alphaCells(), grid.betaCells());
+  const Eigen::Matrix2d cell_edges = region.triangle.edges() * per_cell.cwiseInverse().asDiagonal();
+  const Eigen::Matrix2d inverse = cell_edges.inverse();
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(reach_m(region) + 1.0);
+  const Eigen::Vector2d low = lowOf(region.view.corners) - margin;
+  const Eigen::Vector2d high = highOf(region.view.corners) + margin;
+  index_.visit(low, high, [&](int id) {
+    const auto found = regions_.find(id);
+    if (found == regions_.end() || !found->second.costs) return;
+    const Region& other = found->second;
+    const Eigen::Matrix2d other_edges =
+        other.triangle.edges() *
+        Eigen::Vector2d(1.0 / other.view.alpha_cells, 1.0 / other.view.beta_cells).asDiagonal();
+    const double half_diagonal = 0.5 * std::max((other_edges.col(0) + other_edges.col(1)).norm(),
+                                                (other_edges.col(0) - other_edges.col(1)).norm());
+    const double radius = 0.5 * config_.vehicle.width_m + half_diagonal;
+    const Eigen::Vector2d box(radius * inverse.row(0).norm(), radius * inverse.row(1).norm());
+    for (const Eigen::Vector2f& obstacle : other.costs->obstacles()) {
+      const Eigen::Vector2d place = other.triangle.toGlobal(obstacle.cast<double>());
+      if ((place - low).minCoeff() < 0.0 || (high - place).minCoeff() < 0.0) continue;
+      const Eigen::Vector2d centre = grid.toCells(region.triangle.toLocal(place));
+      const int j0 = std::max(0, static_cast<int>(std::ceil(centre.y() - box.y() - 0.5)));
+      const int j1 =
+          std::min(grid.betaCells() - 1, static_cast<int>(std::floor(centre.y() + box.y() - 0.5)));
+      for (int j = j0; j <= j1; ++j) {
+        const int i0 = std::max(0, static_cast<int>(std::ceil(centre.x() - box.x() - 0.5)));
+        const int i1 = std::min(grid.rowLength(j) - 1,
+                                static_cast<int>(std::floor(centre.x() + box.x() - 0.5)));
+        for (int i = i0; i <= i1; ++i) {
+          const Eigen::Vector2d apart(i + 0.5 - centre.x(), j + 0.5 - centre.y());
+          if ((cell_edges * apart).squaredNorm() < radius * radius) {
+            blocked[std::size_t(grid.index(i, j))] = true;
+          }
+        }
+      }
+    }
+  });
+  return blocked;
+}
+
+void DoorMap::findBlocked() {
+  for (const int id : to_block_) {
+    Region& region = regions_.at(id);
+    if (!region.costs) continue;
+    ++counts_.blocked;
+    std::vector<bool> blocked = blockedCells(region);
+    for (int cell = 0; cell < region.costs->grid().cellCount(); ++cell) {
+      if (region.costs->isOccupied(cell)) blocked[std::size_t(cell)] = false;
+    }
+    if (blocked != region.costs->blocked()) {
+      auto costs = std::make_shared<CellCosts>(*region.costs);
+      costs->setBlocked(blocked);
+      region.costs = std::move(costs);
+    }
+    if (region.in_force && *region.in_force == *region.costs) {
+      region.costs = region.in_force;
+      continue;
+    }
+    region.in_force = region.costs;
+    region.computed = region.triangle;
+    region.computed_factor = factorOf(region.view);
+    to_compute_.insert(id);
+    for (int k = 0; k < 3; ++k) {
+      const SideKey key = sideKeyOf(region.view, k);
+      if (sides_.count(key) > 0) to_open_.insert(key);
+    }
+  }
+  to_block_.clear();
+}
+
+SideDoors DoorMap::doorsOf(const SideKey& key, const Side& side) const {
+  const Region& one = regions_.at(side.ltrs[0]);
+  const Region& other = regions_.at(side.ltrs[1]);
+  if (!one.in_force || !other.in_force) return {};
+  return core::findDoors({one.view, sideOfKey(one.view, key), *one.in_force},
+                         {other.view, sideOfKey(other.view, key), *other.in_force},
+                         config_.vehicle.width_m, config_.portal_spacing_m);
+}
+
+void DoorMap::findDoors() {
+  for (const SideKey& key : to_open_) {
+    Side& side = sides_.at(key);
+    SideDoors found = doorsOf(key, side);
+    keepIds(side.doors ? *side.doors : SideDoors(), found, next_door_id_);
+    const bool same = side.doors && side.doors->samePlaces(found);
+    side.doors = std::make_shared<SideDoors>(std::move(found));
+    if (same) continue;
+    for (const int id : side.ltrs) to_compute_.insert(id);
+  }
+  to_open_.clear();
+}
+
+void DoorMap::computeMatrix(Region& region) {
+  std::vector<Triangle::Local> portals;
+  for (int k = 0; k < 3; ++k) {
+    const auto side = sides_.find(sideKeyOf(region.view, k));
+    if (side == sides_.end() || !side->second.doors) continue;
+    for (const double at : side->second.doors->portals) {
+      portals.push_back(placeOnSide(region.view, k, at));
+    }
+  }
+  LocalSearch search(region.computed, *region.in_force, config_.max_metric_error);
+  region.matrix = std::make_shared<CostMatrix>(search, portals, region.in_force->isDirected());
+  ++counts_.matrices;
+}
+
+std::size_t DoorMap::prepare(const Eigen::Vector2d& place, std::size_t max_matrices) {
+  findBlocked();
+  findDoors();
+  std::vector<std::pair<double, int>> order;
+  for (const int id : to_compute_) {
+    Region& region = regions_.at(id);
+    region.matrix.reset();
+    if (!region.in_force) continue;
+    const Eigen::Vector2d centre = region.triangle.toGlobal(Triangle::Local(1.0 / 3, 1.0 / 3));
+    order.emplace_back((centre - place).squaredNorm(), id);
+  }
+  const std::size_t count = std::min(max_matrices, order.size());
+  std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(count), order.end());
+  to_compute_.clear();
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i < count) {
+      computeMatrix(regions_.at(order[i].second));
+    } else {
+      to_compute_.insert(order[i].second);
+    }
+  }
+  return to_compute_.size();
+}
+
+std::shared_ptr<const DoorGraph> DoorMap::makeGraph() const {
+  std::vector<GraphLtr> ltrs;
+  std::unordered_map<int, int> numbers;
+  ltrs.reserve(regions_.size());
+  for (const auto& [id, region] : regions_) {
+    numbers[id] = static_cast<int>(ltrs.size());
+    GraphLtr ltr;
+    ltr.view = region.view;
+    ltr.triangle = region.triangle;
+    ltr.factor = factorOf(region.view);
+    ltr.costs = region.in_force;
+    if (to_compute_.count(id) == 0) ltr.matrix = region.matrix;
+    ltrs.push_back(std::move(ltr));
+  }
+  for (GraphLtr& ltr : ltrs) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto neighbour = numbers.find(ltr.view.neighbours[k]);
+      if (neighbour != numbers.end()) ltr.neighbours[k] = neighbour->second;
+    }
+  }
+  std::vector<GraphSide> sides;
+  sides.reserve(sides_.size());
+  for (const auto& [key, side] : sides_) {
+    GraphSide added;
+    added.doors = side.doors;
+    for (std::size_t i = 0; i < 2; ++i) {
+      added.ltrs[i] = numbers.at(side.ltrs[i]);
+      GraphLtr& ltr = ltrs[std::size_t(added.ltrs[i])];
+      ltr.sides[std::size_t(sideOfKey(ltr.view, key))] = static_cast<int>(sides.size());
+    }
+    sides.push_back(std::move(added));
+  }
+  return std::make_shared<DoorGraph>(std::move(ltrs), std::move(sides), config_.max_metric_error,
+                                     config_.shape_tolerance);
+}
+
+}  // namespace hymm::core

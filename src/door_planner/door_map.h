@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "door_planner/door_graph.h"
+#include "door_planner/door_planner_config.h"
+#include "hybrid_map/ltr_index.h"
+
+namespace hymm::core {
+
+/// Keeps doors and cost matrices of a map of LTRs that changes, and computes anew only what a
+/// change concerns: what an LTR holds, how the vehicle's width carries obstacles across its sides,
+/// or its shape. Turning and shifting LTRs costs nothing but new places.
+class DoorMap {
+ public:
+  /// Counts since construction.
+  struct Counts {
+    std::size_t contents = 0, unchanged_contents = 0;
+    std::size_t blocked = 0;   ///< LTRs whose blocked cells were found anew
+    std::size_t matrices = 0;  ///< computed
+  };
+
+  /// Throws ConfigError if the configuration is unusable.
+  explicit DoorMap(const DoorPlannerConfig& config);
+
+  /// All LTRs there are, with their present corners. Those without three corners apart are left
+  /// out, and returned.
+  std::vector<int> setLtrs(const std::vector<LtrView>& ltrs);
+
+  /// What the cells of an LTR hold now. False, and nothing changed, if there is no such LTR or an
+  /// array does not fit its grid.
+  bool setContent(int ltr, const LtrContent& content);
+
+  /// Computes what is out of date, LTRs nearest to `place` first, at most `max_matrices` cost
+  /// matrices. Returns how many are left.
+  std::size_t prepare(const Eigen::Vector2d& place, std::size_t max_matrices);
+
+  /// What queries use; LTRs whose matrix is out of date cannot be crossed in it.
+  std::shared_ptr<const DoorGraph> makeGraph() const;
+
+  const Counts& counts() const { return counts_; }
+
+ private:
+  struct Region {
+    LtrView view;
+    Triangle triangle;
+    Triangle computed;  ///< its geometry when its costs were computed
+    double computed_factor = 1.0;
+    std::shared_ptr<const CellCosts> costs;     ///< null while nothing is known
+    std::shared_ptr<const CellCosts> in_force;  ///< those that doors and matrix belong to
+    std::shared_ptr<const CostMatrix> matrix;
+  };
+  struct Side {
+    std::array<int, 2> ltrs{kNone, kNone};  ///< ids
+    std::shared_ptr<const SideDoors> doors;
+  };
+
+  void connectSides();
+  void touchShape(Region& region);
+  void blockAround(int ltr);
+  void findBlocked();
+  void findDoors();
+  SideDoors doorsOf(const SideKey& key, const Side& side) const;
+  void computeMatrix(Region& region);
+  std::vector<bool> blockedCells(const Region& region) const;
+  double reach_m(const Region& region) const;
+
+  DoorPlannerConfig config_;
+  std::vector<PropertyWeight> weights_;
+  std::map<int, Region> regions_;
+  std::map<SideKey, Side> sides_;
+  LtrIndex index_;
+  std::set<int> to_block_, to_compute_;
+  std::set<SideKey> to_open_;
+  std::uint64_t next_door_id_ = 1;
+  Counts counts_;
+};
+
+}  // namespace hymm::core

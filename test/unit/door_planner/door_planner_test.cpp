@@ -1,0 +1,384 @@
+#include "door_planner/door_planner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <queue>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "common/random.h"
+#include "support/planner_meshes.h"
+
+namespace hymm::core {
+namespace {
+
+using Eigen::Vector2d;
+using Occupancy = std::function<float(const Vector2d&)>;
+
+float freeGround(const Vector2d&) { return 0.0F; }
+
+/// Occupied within a vertical wall at x = 24 m but for a gap around `gap_y`.
+Occupancy wallWithGap(double gap_y, double gap_m) {
+  return [=](const Vector2d& p) {
+    return std::abs(p.x() - 24.0) < 0.3 && std::abs(p.y() - gap_y) > 0.5 * gap_m ? 1.0F : 0.0F;
+  };
+}
+
+/// Discs at random, none within 2 m of `keep_free`.
+Occupancy discs(std::uint64_t seed, int count, double extent_m, std::vector<Vector2d> keep_free) {
+  RandomGenerator generator(seed);
+  std::vector<Eigen::Vector3d> all;
+  while (static_cast<int>(all.size()) < count) {
+    const Eigen::Vector3d disc(sampleUniform(generator, 0.0, extent_m),
+                               sampleUniform(generator, 0.0, extent_m),
+                               sampleUniform(generator, 0.2, 2.0));
+    const bool clear = std::all_of(keep_free.begin(), keep_free.end(), [&](const Vector2d& p) {
+      return (p - disc.head<2>()).norm() > disc.z() + 2.0;
+    });
+    if (clear) all.push_back(disc);
+  }
+  return [all](const Vector2d& p) {
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Eigen::Vector3d& disc) {
+                         return (p - disc.head<2>()).squaredNorm() < disc.z() * disc.z();
+                       })
+               ? 1.0F
+               : 0.0F;
+  };
+}
+
+/// A mesh of 4 x 4 squares of 12 m, jittered, with a planner that knows it.
+struct World {
+  test::SquareMesh mesh{4, 4, 12.0, 0.2, 2.0, 3};
+  DoorPlanner planner;
+
+  explicit World(const Occupancy& occupancy, const DoorPlannerConfig& config = {})
+      : planner(config) {
+    planner.setLtrs(mesh.ltrs);
+    show(occupancy);
+  }
+  void show(const Occupancy& occupancy) {
+    for (const LtrView& ltr : mesh.ltrs)
+      planner.setContent(ltr.id, test::contentOf(ltr, occupancy));
+    planner.prepare(Vector2d::Zero());
+  }
+  Plan plan(const Vector2d& start, const Vector2d& goal) const {
+    PlanRequest request;
+    request.start = start;
+    request.goal = goal;
+    return planner.plan(request);
+  }
+};
+
+/// Whether the path, at every centimetre, lies in a cell that is not occupied, and how near the
+/// nearest obstacle of the world comes.
+bool isFree(const std::vector<Vector2d>& path, const Occupancy& occupancy) {
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const int parts = static_cast<int>(std::ceil((path[i] - path[i - 1]).norm() / 0.01));
+    for (int k = 0; k <= parts; ++k) {
+      const Vector2d p = path[i - 1] + (path[i] - path[i - 1]) * k / std::max(1, parts);
+      if (occupancy(p) > 0.5F) return false;
+    }
+  }
+  return true;
+}
+
+TEST(DoorPlanner, GoesStraightOverFreeGround) {
+  const World world(freeGround);
+  const Vector2d start(5.0, 6.0), goal(40.0, 33.0);
+  const Plan plan = world.plan(start, goal);
+  ASSERT_EQ(plan.status, PlanStatus::kOk) << plan.sentence;
+  EXPECT_NEAR(plan.cost, (goal - start).norm(), 1e-6);
+  EXPECT_EQ(plan.path.size(), 2U);
+  EXPECT_GT(plan.doors.size(), 3U);
+}
+
+TEST(DoorPlanner, FindsTheGap) {
+  const Occupancy wall = wallWithGap(30.0, 4.0);
+  const World world(wall);
+  const Vector2d start(8.0, 8.0), goal(40.0, 8.0);
+  const Plan plan = world.plan(start, goal);
+  ASSERT_EQ(plan.status, PlanStatus::kOk) << plan.sentence;
+  EXPECT_TRUE(isFree(plan.path, wall));
+  // Half the vehicle's width from the corners of the gap, at (24 -+ 0.3, 28).
+  const double shortest =
+      (Vector2d(23.7, 28.95) - start).norm() + 0.6 + (Vector2d(24.3, 28.95) - goal).norm();
+  EXPECT_NEAR(plan.cost, shortest, 0.02 * shortest);
+}
+
+TEST(DoorPlanner, TellsOfAVehicleThatIsWiderThanEveryDoor) {
+  DoorPlannerConfig config;
+  config.vehicle.width_m = 4.5;
+  const World world(wallWithGap(30.0, 4.0), config);
+  const Plan plan = world.plan({8.0, 8.0}, {40.0, 8.0});
+  EXPECT_EQ(plan.status, PlanStatus::kNoPath);
+  EXPECT_THAT(plan.sentence, testing::HasSubstr("wide enough"));
+}
+
+TEST(DoorPlanner, TellsWhatIsWrongWithStartAndGoal) {
+  const World world(wallWithGap(30.0, 4.0));
+  EXPECT_EQ(world.plan({24.0, 8.0}, {40.0, 8.0}).status, PlanStatus::kStartOccupied);
+  EXPECT_EQ(world.plan({8.0, 8.0}, {24.0, 8.0}).status, PlanStatus::kGoalOccupied);
+  EXPECT_EQ(world.plan({8.0, 8.0}, {24.9, 8.0}).status, PlanStatus::kGoalOccupied)
+      << "too near to the wall for the vehicle's width";
+  EXPECT_EQ(world.plan({-80.0, 8.0}, {40.0, 8.0}).status, PlanStatus::kStartOutsideMap);
+  EXPECT_EQ(world.plan({8.0, 8.0}, {40.0, 800.0}).status, PlanStatus::kGoalOutsideMap);
+  EXPECT_EQ(world.plan({NAN, 8.0}, {40.0, 8.0}).status, PlanStatus::kBadRequest);
+}
+
+TEST(DoorPlanner, MovesAnOccupiedGoalWithinTheTolerance) {
+  const World world(wallWithGap(30.0, 4.0));
+  PlanRequest request;
+  request.start = {8.0, 8.0};
+  request.goal = {23.9, 8.0};
+  request.tolerance_m = 2.0;
+  const Plan plan = world.planner.plan(request);
+  ASSERT_EQ(plan.status, PlanStatus::kOk) << plan.sentence;
+  EXPECT_LE((plan.path.back() - request.goal).norm(), 2.0);
+}
+
+TEST(DoorPlanner, AnswersBeforeAnyMapArrived) {
+  const DoorPlanner planner{DoorPlannerConfig{}};
+  EXPECT_EQ(planner.plan({}).status, PlanStatus::kNoMap);
+}
+
+TEST(DoorPlanner, RefusesAnUnusableConfigurationWithAllItsProblems) {
+  DoorPlannerConfig config;
+  config.vehicle.width_m = -1.0;
+  config.cost.properties = "traffic -2";
+  try {
+    const DoorPlanner planner(config);
+    FAIL() << "must be refused";
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.problems().size(), 2U);
+  }
+}
+
+TEST(DoorPlanner, EndsWhenItIsInterrupted) {
+  const World world(freeGround);
+  PlanRequest request;
+  request.start = {5.0, 6.0};
+  request.goal = {40.0, 33.0};
+  request.interrupted = [] { return PlanStatus::kTimeout; };
+  EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kTimeout);
+  request.interrupted = [] { return PlanStatus::kCancelled; };
+  EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kCancelled);
+}
+
+TEST(DoorPlanner, StaysWhereItIsInformedOrSaysThatItCannot) {
+  const World world(freeGround);
+  PlanRequest request;
+  request.start = {5.0, 8.0};
+  request.goal = {40.0, 8.0};
+  // A stripe across the straight way is not informed, up to y = 20 m.
+  request.is_informed = [](const Vector2d& p) {
+    return std::abs(p.x() - 22.0) > 4.0 || p.y() > 20.0;
+  };
+  const Plan around = world.planner.plan(request);
+  ASSERT_EQ(around.status, PlanStatus::kOk) << around.sentence;
+  // Asked every quarter of a metre, so that corners may be cut by half of that.
+  EXPECT_TRUE(isFree(around.path, [](const Vector2d& p) {
+    return std::abs(p.x() - 22.0) < 3.875 && p.y() < 19.875 ? 1.0F : 0.0F;
+  }));
+  request.is_informed = [](const Vector2d& p) { return std::abs(p.x() - 22.0) > 4.0; };
+  EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kBelowInformation);
+  request.is_informed = [](const Vector2d& p) { return p.x() > 10.0; };
+  EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kBelowInformation);
+}
+
+TEST(DoorPlanner, KeepsHalfTheWidthAwayFromObstaclesAcrossSides) {
+  // A disc in the middle of a side, seen in one LTR only.
+  test::SquareMesh mesh(1, 1, 16.0, 0.2);
+  DoorPlanner planner{DoorPlannerConfig{}};
+  planner.setLtrs(mesh.ltrs);
+  const Occupancy disc = [](const Vector2d& p) {
+    return (p - Vector2d(7.6, 7.6)).norm() < 0.4 ? 1.0F : 0.0F;
+  };
+  planner.setContent(0, test::contentOf(mesh.ltrs[0], disc));
+  planner.setContent(1, test::contentOf(mesh.ltrs[1], freeGround));
+  planner.prepare(Vector2d::Zero());
+  PlanRequest request;
+  request.start = {8.4, 8.4};  // in the other LTR
+  request.goal = {14.0, 14.0};
+  EXPECT_EQ(planner.plan(request).status, PlanStatus::kStartOccupied);
+  request.start = {9.3, 9.3};
+  EXPECT_EQ(planner.plan(request).status, PlanStatus::kOk);
+}
+
+TEST(DoorPlanner, ComputesNothingAnewWhenTheMapTurnsAndShifts) {
+  World world(wallWithGap(30.0, 4.0));
+  const Plan before = world.plan({8.0, 8.0}, {40.0, 8.0});
+  const std::size_t matrices = world.planner.counts().matrices;
+  const Pose2 moved{100.0, -40.0, 1.0};
+  test::Landmarks landmarks;
+  for (const Vector2d& landmark : world.mesh.landmarks) landmarks.push_back(moved * landmark);
+  world.mesh.moveTo(landmarks);
+  world.planner.setLtrs(world.mesh.ltrs);
+  EXPECT_EQ(world.planner.prepare(Vector2d::Zero()), 0U);
+  EXPECT_EQ(world.planner.counts().matrices, matrices);
+  const Plan after = world.plan(moved * Vector2d(8.0, 8.0), moved * Vector2d(40.0, 8.0));
+  ASSERT_EQ(after.status, PlanStatus::kOk);
+  EXPECT_NEAR(after.cost, before.cost, 1e-4 * before.cost);
+}
+
+TEST(DoorPlanner, ComputesAnewWhatWasDeformed) {
+  World world(freeGround);
+  const std::size_t matrices = world.planner.counts().matrices;
+  test::Landmarks landmarks = world.mesh.landmarks;
+  landmarks[12] += Vector2d(1.0, 0.0);  // the one in the middle, which spans six LTRs
+  world.mesh.moveTo(landmarks);
+  world.planner.setLtrs(world.mesh.ltrs);
+  world.planner.prepare(Vector2d::Zero());
+  EXPECT_GE(world.planner.counts().matrices, matrices + 6);
+  EXPECT_LE(world.planner.counts().matrices, matrices + 16) << "these and their neighbours";
+  const Plan plan = world.plan({5.0, 6.0}, {40.0, 33.0});
+  EXPECT_NEAR(plan.cost, plan.length_m, 1e-6);
+}
+
+TEST(DoorPlanner, ComputesNothingAnewForTheSameContent) {
+  World world(wallWithGap(30.0, 4.0));
+  const DoorMap::Counts before = world.planner.counts();
+  world.show(wallWithGap(30.0, 4.0));
+  EXPECT_EQ(world.planner.counts().matrices, before.matrices);
+  EXPECT_EQ(world.planner.counts().unchanged_contents, world.mesh.ltrs.size());
+}
+
+TEST(DoorPlanner, PaysForUncertainShapes) {
+  World world(freeGround);
+  for (LtrView& ltr : world.mesh.ltrs) ltr.shape_factor = 1.2;
+  world.planner.setLtrs(world.mesh.ltrs);
+  world.planner.prepare(Vector2d::Zero());
+  const Plan plan = world.plan({5.0, 6.0}, {40.0, 33.0});
+  EXPECT_NEAR(plan.cost_with_uncertainty, 1.2 * plan.cost, 1e-6);
+  EXPECT_DOUBLE_EQ(plan.worst_shape_factor, 1.2);
+}
+
+TEST(DoorPlanner, FollowsTheLandmarksWithoutPlanning) {
+  World world(freeGround);
+  const Plan plan = world.plan({5.0, 6.0}, {40.0, 33.0});
+  const Pose2 moved{3.0, 1.0, 0.4};
+  const auto places = placeOf(plan.points, [&](int landmark) -> std::optional<Vector2d> {
+    return moved * world.mesh.landmarks[std::size_t(landmark)];
+  });
+  ASSERT_TRUE(places);
+  for (std::size_t i = 0; i < plan.path.size(); ++i) {
+    EXPECT_TRUE((*places)[i].isApprox(moved * plan.path[i], 1e-9));
+  }
+  EXPECT_FALSE(placeOf(plan.points, [](int) { return std::optional<Vector2d>(); }));
+}
+
+TEST(DoorPlanner, TellsWhereAPathIsBlockedNow) {
+  World world(freeGround);
+  const Plan plan = world.plan({8.0, 8.0}, {40.0, 8.0});
+  EXPECT_FALSE(world.planner.findBlocked(plan.path));
+  world.show(wallWithGap(30.0, 4.0));
+  EXPECT_EQ(world.planner.findBlocked(plan.path), std::optional<std::size_t>(1));
+  const Plan again = world.plan({8.0, 8.0}, {40.0, 8.0});
+  ASSERT_EQ(again.status, PlanStatus::kOk);
+  EXPECT_FALSE(world.planner.findBlocked(again.path));
+}
+
+TEST(DoorPlanner, CrossesNothingOccupiedInRandomWorlds) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const Vector2d start(6.0, 6.0), goal(42.0, 42.0);
+    const Occupancy occupancy = discs(seed, 40, 48.0, {start, goal});
+    const World world(occupancy);
+    const Plan plan = world.plan(start, goal);
+    if (!plan.ok()) continue;
+    EXPECT_TRUE(isFree(plan.path, occupancy)) << "seed " << seed;
+    EXPECT_FALSE(world.planner.findBlocked(plan.path)) << "seed " << seed;
+  }
+}
+
+/// Cheapest cost along portals by Bellman and Ford over every pair of portals of every LTR.
+double cheapestAlongPortals(const DoorGraph& graph, int from, int to) {
+  std::vector<double> cost(std::size_t(graph.portalCount()), kNoPassing);
+  cost[std::size_t(from)] = 0.0;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t number = 0; number < graph.ltrs().size(); ++number) {
+      const GraphLtr& ltr = graph.ltrs()[number];
+      std::vector<int> portals;
+      for (const int side : ltr.sides) {
+        for (int i = 0; side != kNone && i < graph.side(side).portals; ++i) {
+          portals.push_back(graph.side(side).first_portal + i);
+        }
+      }
+      for (const int a : portals) {
+        for (const int b : portals) {
+          const double step = ltr.factor * static_cast<double>(ltr.matrix->cost(
+                                               graph.portalIn(static_cast<int>(number), a),
+                                               graph.portalIn(static_cast<int>(number), b)));
+          const double through = cost[std::size_t(a)] + step;
+          if (through < cost[std::size_t(b)] * (1.0 - 1e-9)) {
+            cost[std::size_t(b)] = through;
+            changed = true;
+          }
+        }
+      }
+    }
+  }
+  return cost[std::size_t(to)];
+}
+
+TEST(DoorSearch, IsOptimalOverTheDoorGraph) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    World world(discs(seed, 30, 48.0, {}));
+    RandomGenerator generator(seed);
+    for (LtrView& ltr : world.mesh.ltrs) ltr.shape_factor = sampleUniform(generator, 1.0, 1.3);
+    world.planner.setLtrs(world.mesh.ltrs);
+    world.planner.prepare(Vector2d::Zero());
+    const std::shared_ptr<const DoorGraph> graph = world.planner.graph();
+    for (int trial = 0; trial < 6; ++trial) {
+      const auto portal = [&] {
+        return static_cast<int>(sampleUniform(generator, 0.0, graph->portalCount()));
+      };
+      const int from = portal(), to = portal();
+      const auto placeAt = [&](int p) {
+        const int ltr = graph->side(graph->sideOf(p)).ltrs[0];
+        return GraphPlace{ltr, graph->localOf(ltr, p)};
+      };
+      DoorRoute route;
+      const SearchOutcome outcome =
+          DoorSearch().find(*graph, placeAt(from), placeAt(to), {}, route);
+      const double cheapest = cheapestAlongPortals(*graph, from, to);
+      ASSERT_EQ(outcome == SearchOutcome::kFound, cheapest < kNoPassing);
+      if (outcome != SearchOutcome::kFound) continue;
+      EXPECT_LE(route.cost, cheapest * (1.0 + 1e-5) + 1e-9);
+    }
+  }
+}
+
+TEST(DoorPlanner, AnswersManyRequestsAtOnceAsOneByOne) {
+  const Occupancy occupancy = discs(7, 30, 48.0, {});
+  World world(occupancy);
+  RandomGenerator generator(1);
+  std::vector<PlanRequest> requests(100);
+  for (PlanRequest& request : requests) {
+    request.start = {sampleUniform(generator, 0.0, 48.0), sampleUniform(generator, 0.0, 48.0)};
+    request.goal = {sampleUniform(generator, 0.0, 48.0), sampleUniform(generator, 0.0, 48.0)};
+  }
+  std::vector<Plan> alone, together(requests.size());
+  for (const PlanRequest& request : requests) alone.push_back(world.planner.plan(request));
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 8; ++t) {
+    threads.emplace_back([&, t] {
+      for (std::size_t i = t; i < requests.size(); i += 8)
+        together[i] = world.planner.plan(requests[i]);
+    });
+  }
+  for (int i = 0; i < 5; ++i) world.planner.prepare(Vector2d::Zero());
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    EXPECT_EQ(together[i].status, alone[i].status);
+    EXPECT_EQ(together[i].cost, alone[i].cost);
+    EXPECT_EQ(together[i].path.size(), alone[i].path.size());
+  }
+}
+
+}  // namespace
+}  // namespace hymm::core
