@@ -124,6 +124,13 @@ class HybridMap::Impl {
     return answer;
   }
 
+  float occupancyLogOdds(const Eigen::Vector2d& place) const {
+    query_hint_ = partition_.mesh().locate(place, query_hint_);
+    if (query_hint_ == kNone) return 0.0F;
+    const float* cell = cellAt(query_hint_, LayerSet::kOccupancy, place);
+    return cell == nullptr ? 0.0F : *cell;
+  }
+
   std::vector<float> renderOccupancy(const Eigen::Vector2d& low, int width, int height,
                                      double resolution_m) const {
     std::vector<float> image(std::size_t(width) * std::size_t(height),
@@ -285,6 +292,10 @@ const LayerSet& HybridMap::layers() const { return impl_->layers(); }
 LayerQuery HybridMap::query(const std::string& layer, const Eigen::Vector2d& place) const {
   return impl_->query(layer, place);
 }
+float HybridMap::occupancyLogOdds(const Eigen::Vector2d& place) const {
+  return impl_->occupancyLogOdds(place);
+}
+double HybridMap::resolution_m() const { return impl_->config().resolution_m; }
 std::vector<float> HybridMap::renderOccupancy(const Eigen::Vector2d& low, int width, int height,
                                               double resolution_m) const {
   return impl_->renderOccupancy(low, width, height, resolution_m);

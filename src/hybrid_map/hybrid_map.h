@@ -111,6 +111,11 @@ class HybridMap {
   const LayerSet& layers() const;
   LayerQuery query(const std::string& layer, const Eigen::Vector2d& place) const;
 
+  /// Occupancy at a place as log-odds (1); 0 where nothing is known, or no LTR is.
+  float occupancyLogOdds(const Eigen::Vector2d& place) const;
+  /// Largest side of a cell when its LTR is made.
+  double resolution_m() const;
+
   /// Occupancy as log-odds in square cells over the box from `low`, row by row along x; NaN where
   /// nothing is known.
   std::vector<float> renderOccupancy(const Eigen::Vector2d& low, int width, int height,
