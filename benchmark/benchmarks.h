@@ -21,4 +21,7 @@ void registerGlobalUpdateBenchmarks(Registration& registration);
 /// BM_Association, BM_AssociationByDensity.
 void registerAssociationBenchmarks(Registration& registration);
 
+/// BM_LevelSetIncremental, BM_LevelSetFull, BM_LevelSetScratch.
+void registerLevelSetBenchmarks(Registration& registration);
+
 }  // namespace hymm::benchmarks

@@ -96,6 +96,7 @@ int run(int argc, char** argv) {
   registerScanBenchmarks(registration, options.scan);
   registerGlobalUpdateBenchmarks(registration);
   registerAssociationBenchmarks(registration);
+  registerLevelSetBenchmarks(registration);
   if (registration.names().empty()) {
     std::fprintf(stderr, "No benchmark is called '%s'; --benchmark_list_tests names all.\n",
                  options.filter.c_str());

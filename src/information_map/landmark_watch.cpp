@@ -80,8 +80,10 @@ ChangedLandmark LandmarkWatch::changeOf(const Told& before, const Told& now) con
   change.place = now.place;
   change.moved_m = (now.place - before.place).norm() +
                    tolerance_.region_sigmas * regionChange(before.covariance, now.covariance);
-  change.changed = std::max(relativeChange(before.covariance, now.covariance),
-                            relativeChange(before.relative, now.relative));
+  change.changed = relativeChange(before.covariance, now.covariance);
+  if (before.neighbour_id == now.neighbour_id) {  // else the neighbour is told as gone
+    change.changed = std::max(change.changed, relativeChange(before.relative, now.relative));
+  }
   return change;
 }
 

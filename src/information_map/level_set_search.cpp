@@ -289,15 +289,25 @@ void LevelSetSearch::explore() {
     if (lattice_.levelAt(place) == lattice_.levels()) continue;
     const auto summit = summits_.find(field_->id(i));
     if (summit != summits_.end() && holds(summit->second)) continue;
-    const std::optional<Cell> reached = climb(place);
-    if (!reached) break;
-    summits_[field_->id(i)] = *reached;
-    const int tile = tileOf(*reached);
-    certificates_.tile(tile)
-        .certificates[std::size_t(LevelLattice::indexInTile(*reached))]
+    std::optional<Cell> highest;
+    for (const Vector2d& start : explorationPoints(place)) {
+      const std::optional<Cell> reached = climb(start);
+      if (!reached) return;
+      if (!highest || certificate(*reached).value > certificate(*highest).value) highest = reached;
+    }
+    summits_[field_->id(i)] = *highest;
+    certificates_.tile(tileOf(*highest))
+        .certificates[std::size_t(LevelLattice::indexInTile(*highest))]
         .is_summit = true;
     spread();
   }
+}
+
+/// At a landmark, and half a range from it on four sides.
+std::array<Vector2d, 5> LevelSetSearch::explorationPoints(const Vector2d& landmark) const {
+  const double far_m = 0.5 * config_.information.sensor.range_m;
+  return {landmark, landmark + Vector2d(far_m, 0.0), landmark - Vector2d(far_m, 0.0),
+          landmark + Vector2d(0.0, far_m), landmark - Vector2d(0.0, far_m)};
 }
 
 /// Steps to the best of four neighbours, halving the step where none is better. Of cells without

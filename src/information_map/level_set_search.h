@@ -79,6 +79,7 @@ class LevelSetSearch {
   void queueTile(int tile, int vehicle_island);
   void spread();
   void explore();
+  std::array<Eigen::Vector2d, 5> explorationPoints(const Eigen::Vector2d& landmark) const;
   std::optional<Cell> climb(const Eigen::Vector2d& start);
 
   int evaluate(const Cell& cell);
