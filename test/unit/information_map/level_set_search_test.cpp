@@ -109,7 +109,7 @@ TEST(LevelSetSearch, RepeatsItself) {
 
 TEST(LevelSetSearch, NestsItsSets) {
   InformationMapConfig config;
-  config.level_sets.values = "10 100 200";
+  config.level_sets.values = "20 50 80";
   LevelSetSearch search(config);
   RandomGenerator generator(1);
   const auto places = randomPlaces(30, 40.0, generator);
