@@ -24,4 +24,7 @@ void registerAssociationBenchmarks(Registration& registration);
 /// BM_LevelSetIncremental, BM_LevelSetFull, BM_LevelSetScratch.
 void registerLevelSetBenchmarks(Registration& registration);
 
+/// BM_DoorPlannerQuery, BM_DoorPlannerChange, BM_GridAStarQuery.
+void registerDoorPlannerBenchmarks(Registration& registration);
+
 }  // namespace hymm::benchmarks

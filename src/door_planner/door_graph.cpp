@@ -46,6 +46,34 @@ DoorGraph::DoorGraph(std::vector<GraphLtr> ltrs, std::vector<GraphSide> sides,
   }
   least_ /= 1.0 + shape_tolerance;
   index();
+  prepareSearch();
+}
+
+void DoorGraph::prepareSearch() {
+  search_ltrs_.resize(ltrs_.size());
+  search_portals_.resize(places_.size());
+  for (std::size_t number = 0; number < ltrs_.size(); ++number) {
+    const GraphLtr& from = ltrs_[number];
+    SearchLtr& to = search_ltrs_[number];
+    if (from.matrix) to.costs = from.matrix->row(0);
+    to.factor = static_cast<float>(from.factor);
+    to.size = from.first_portal[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      to.first_portal[k + 1] = static_cast<std::uint16_t>(from.first_portal[k + 1]);
+      if (from.sides[k] == kNone) continue;
+      const GraphSide& of = side(from.sides[k]);
+      to.offsets[k] = of.first_portal - from.first_portal[k];
+      const std::size_t end = of.ltrs[0] == static_cast<int>(number) ? 0 : 1;
+      for (int i = 0; i < of.portals; ++i) {
+        SearchPortal& portal = search_portals_[std::size_t(of.first_portal + i)];
+        portal.ltrs[end] = static_cast<int>(number);
+        portal.index[end] = static_cast<std::uint16_t>(from.first_portal[k] + i);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    search_portals_[i].place = (places_[i] - low_).cast<float>();
+  }
 }
 
 void DoorGraph::numberPortals() {
@@ -192,6 +220,8 @@ std::size_t DoorGraph::bytes() const {
   std::size_t sum = sizeof(*this) + ltrs_.capacity() * sizeof(GraphLtr) +
                     sides_.capacity() * sizeof(GraphSide) +
                     places_.capacity() * (sizeof(Eigen::Vector2d) + sizeof(int)) +
+                    search_ltrs_.capacity() * sizeof(SearchLtr) +
+                    search_portals_.capacity() * sizeof(SearchPortal) +
                     (bucket_starts_.capacity() + bucket_ltrs_.capacity()) * sizeof(int);
   for (const GraphLtr& ltr : ltrs_) {
     if (ltr.costs) sum += ltr.costs->bytes();

@@ -34,6 +34,22 @@ struct GraphSide {
   std::shared_ptr<const SideDoors> doors;
 };
 
+/// What a search reads of an LTR, together and small: searches are as fast as memory is.
+struct SearchLtr {
+  const float* costs = nullptr;  ///< rows of its matrix; null without one
+  float factor = 1.0F;
+  int size = 0;                  ///< of a row
+  std::array<int, 3> offsets{};  ///< of a side's portals in the graph against those in the row
+  std::array<std::uint16_t, 4> first_portal{};
+};
+
+/// And of a portal: its LTRs, and its numbers among their portals.
+struct SearchPortal {
+  std::array<int, 2> ltrs{kNone, kNone};
+  std::array<std::uint16_t, 2> index{};
+  Eigen::Vector2f place{0.0F, 0.0F};  ///< from origin()
+};
+
 /// A place in an LTR, by its number in the graph.
 struct GraphPlace {
   int ltr = kNone;
@@ -63,6 +79,13 @@ class DoorGraph {
   int portalIn(int ltr, int portal) const;
   Triangle::Local localOf(int ltr, int portal) const;
 
+  const SearchLtr& searchLtr(int number) const { return search_ltrs_[std::size_t(number)]; }
+  const SearchPortal& searchPortal(int portal) const {
+    return search_portals_[std::size_t(portal)];
+  }
+  /// In map, near all LTRs [m].
+  const Eigen::Vector2d& origin() const { return low_; }
+
   /// Lower bound of the cost of a metre as the crow flies, over all LTRs: mu_min over the share by
   /// which a length may have shrunk since its cost was computed.
   double leastPerMetre() const { return least_; }
@@ -81,12 +104,15 @@ class DoorGraph {
  private:
   void numberPortals();
   void index();
+  void prepareSearch();
   std::int64_t bucketOf(const Eigen::Vector2d& point) const;
 
   std::vector<GraphLtr> ltrs_;
   std::vector<GraphSide> sides_;
   std::vector<Eigen::Vector2d> places_;  ///< of portals
   std::vector<int> side_of_portal_;
+  std::vector<SearchLtr> search_ltrs_;
+  std::vector<SearchPortal> search_portals_;
   double least_ = kNoPassing;
   double max_metric_error_ = 0.02;
 

@@ -8,6 +8,7 @@ namespace hymm::core {
 namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
+constexpr float kBucketsPerLowest = 8192.0F;
 constexpr double kAdmittedEvery_m = 0.25;
 constexpr std::size_t kExpansionsBetweenStops = 1024;
 
@@ -34,33 +35,51 @@ int portalAt(const DoorGraph& graph, int ltr_number, int index) {
 
 void DoorSearch::begin(const DoorGraph& graph) {
   graph_ = &graph;
-  queue_.clear();
+  for (std::vector<Entry>& bucket : buckets_) bucket.clear();
+  first_bucket_ = 0;
   if (labels_.size() < std::size_t(graph.portalCount()) ||
       query_ == std::numeric_limits<std::uint32_t>::max()) {
-    labels_.assign(std::size_t(graph.portalCount()), Label{kInfinite, 0.0F, kStart, 0, kNone});
+    labels_.assign(std::size_t(graph.portalCount()), Label());
     query_ = 0;
   }
   ++query_;
+  // Rounded down, so that the bound stays one.
+  least_ = static_cast<float>(graph.leastPerMetre() * (1.0 - 1e-6));
+}
+
+void DoorSearch::open(int portal) {
+  Label& label = labels_[std::size_t(portal)];
+  const float bound = least_ * (graph_->searchPortal(portal).place - goal_).norm();
+  label = {kInfinite, bound, 2 * kStart, query_};
+  // Nothing is cheaper than that: it stays out.
+  if (options_->admits && !options_->admits(graph_->placeOf(portal))) label.cost = -kInfinite;
 }
 
 void DoorSearch::offer(int portal, float cost, int parent, int through) {
   Label& label = labels_[std::size_t(portal)];
-  if (label.query != query_) {
-    const Eigen::Vector2d& place = graph_->placeOf(portal);
-    if (options_->admits && !options_->admits(place)) {
-      label = {-kInfinite, 0.0F, kStart, query_, kNone};  // nothing is cheaper: it stays out
-      return;
-    }
-    // Rounded down, so that the bound stays one.
-    const double bound = graph_->leastPerMetre() * (place - goal_).norm() * (1.0 - 1e-6);
-    label = {kInfinite, static_cast<float>(bound), kStart, query_, kNone};
-  }
+  if (label.query != query_) open(portal);
   if (!(cost < label.cost)) return;
   label.cost = cost;
-  label.parent = parent;
-  label.through = through;
-  queue_.push_back({cost + label.bound, portal});
-  std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+  label.parent = 2 * parent + (graph_->searchPortal(portal).ltrs[0] == through ? 0 : 1);
+  const float over = std::max(0.0F, (cost + label.bound - lowest_) * buckets_per_cost_);
+  const std::size_t bucket = std::max(first_bucket_, std::size_t(over));
+  if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
+  buckets_[bucket].push_back({cost, portal});
+}
+
+/// The next portal to take up, unless it leads to nothing cheaper than `limit`.
+bool DoorSearch::next(float limit, Entry& entry) {
+  for (; first_bucket_ < buckets_.size(); ++first_bucket_) {
+    if (lowest_ + static_cast<float>(first_bucket_) / buckets_per_cost_ >= limit) return false;
+    std::vector<Entry>& bucket = buckets_[first_bucket_];
+    while (!bucket.empty()) {
+      entry = bucket.back();
+      bucket.pop_back();
+      const Label& label = labels_[std::size_t(entry.portal)];
+      if (entry.cost == label.cost && entry.cost + label.bound < limit) return true;
+    }
+  }
+  return false;
 }
 
 bool DoorSearch::admits(int ltr_number, const std::vector<Triangle::Local>& points) const {
@@ -125,20 +144,20 @@ void DoorSearch::close(int ltr_number, LocalSearch::Direction direction,
 void DoorSearch::expand(int portal) {
   const Label& label = labels_[std::size_t(portal)];
   const float reached = label.cost;
-  const GraphSide& side = graph_->side(graph_->sideOf(portal));
-  const int next = side.ltrs[0] == label.through ? side.ltrs[1] : side.ltrs[0];
-  const GraphLtr& ltr = graph_->ltr(next);
-  if (!ltr.matrix) return;
-  const float factor = static_cast<float>(ltr.factor);
-  const float* row = ltr.matrix->row(graph_->portalIn(next, portal));
+  const SearchPortal& from = graph_->searchPortal(portal);
+  const std::size_t end = label.end() == 0 ? 1 : 0;
+  const int next = from.ltrs[end];
+  const SearchLtr& ltr = graph_->searchLtr(next);
+  if (ltr.costs == nullptr) return;
+  const float* row = ltr.costs + std::ptrdiff_t{from.index[end]} * ltr.size;
   for (std::size_t k = 0; k < 3; ++k) {
-    if (ltr.sides[k] == kNone) continue;
-    const int first = graph_->side(ltr.sides[k]).first_portal - ltr.first_portal[k];
     for (int i = ltr.first_portal[k]; i < ltr.first_portal[k + 1]; ++i) {
-      const float cost = reached + factor * row[i];
-      if (!(cost < kInfinite)) continue;
-      if (options_->admits && !admitsWay(next, portal, first + i)) continue;
-      offer(first + i, cost, portal, next);
+      const float cost = reached + ltr.factor * row[i];
+      const int to = ltr.offsets[k] + i;
+      const Label& known = labels_[std::size_t(to)];
+      if (!(cost < (known.query == query_ ? known.cost : kInfinite))) continue;
+      if (options_->admits && !admitsWay(next, portal, to)) continue;
+      offer(to, cost, portal, next);
     }
   }
 }
@@ -147,7 +166,11 @@ SearchOutcome DoorSearch::find(const DoorGraph& graph, const GraphPlace& start,
                                const GraphPlace& goal, const Options& options, DoorRoute& route) {
   begin(graph);
   options_ = &options;
-  goal_ = graph.ltr(goal.ltr).triangle.toGlobal(goal.local);
+  goal_ = (graph.ltr(goal.ltr).triangle.toGlobal(goal.local) - graph.origin()).cast<float>();
+  const Eigen::Vector2d start_place = graph.ltr(start.ltr).triangle.toGlobal(start.local);
+  lowest_ = least_ * ((start_place - graph.origin()).cast<float>() - goal_).norm();
+  // Ways are some percent dearer than the bound: some hundred buckets.
+  buckets_per_cost_ = kBucketsPerLowest / std::max(lowest_, 1.0F);
   const GraphLtr& first = graph.ltr(start.ltr);
   const GraphLtr& last = graph.ltr(goal.ltr);
 
@@ -174,17 +197,14 @@ SearchOutcome DoorSearch::find(const DoorGraph& graph, const GraphPlace& start,
   double best = direct_.exists() ? first.factor * direct_.cost : kNoPassing;
   int best_last = kStart;
   route = {};
-  while (!queue_.empty() && static_cast<double>(queue_.front().total) < best) {
-    std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
-    const Entry entry = queue_.back();
-    queue_.pop_back();
+  Entry entry{};
+  while (next(static_cast<float>(best), entry)) {
     const Label& label = labels_[std::size_t(entry.portal)];
-    if (entry.total > label.cost + label.bound) continue;
     if (++route.expanded % kExpansionsBetweenStops == 0 && options.stop && options.stop()) {
       return SearchOutcome::kStopped;
     }
-    const GraphSide& side = graph.side(graph.sideOf(entry.portal));
-    if (side.ltrs[0] == goal.ltr || side.ltrs[1] == goal.ltr) {
+    const SearchPortal& portal = graph.searchPortal(entry.portal);
+    if (portal.ltrs[0] == goal.ltr || portal.ltrs[1] == goal.ltr) {
       const LocalPath& end = to_goal_[std::size_t(graph.portalIn(goal.ltr, entry.portal))];
       const double total = static_cast<double>(label.cost) + last.factor * end.cost;
       if (total < best) {
@@ -202,7 +222,7 @@ SearchOutcome DoorSearch::find(const DoorGraph& graph, const GraphPlace& start,
 
 void DoorSearch::trace(const GraphPlace& start, const GraphPlace& goal, int last,
                        DoorRoute& route) const {
-  for (int portal = last; portal != kStart; portal = labels_[std::size_t(portal)].parent) {
+  for (int portal = last; portal != kStart; portal = labels_[std::size_t(portal)].from()) {
     route.portals.push_back(portal);
   }
   std::reverse(route.portals.begin(), route.portals.end());
@@ -217,7 +237,8 @@ void DoorSearch::trace(const GraphPlace& start, const GraphPlace& goal, int last
   }
   for (std::size_t i = 0; i < route.portals.size(); ++i) {
     const int portal = route.portals[i];
-    const int ltr = labels_[std::size_t(portal)].through;
+    const int ltr =
+        graph_->searchPortal(portal).ltrs[std::size_t(labels_[std::size_t(portal)].end())];
     if (i == 0) {
       addPath(ltr, from_start_[std::size_t(graph_->portalIn(ltr, portal))].points);
     } else {

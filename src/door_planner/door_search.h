@@ -44,23 +44,25 @@ class DoorSearch {
                      const Options& options, DoorRoute& route);
 
  private:
-  /// Of a portal. `parent` is a portal, or kStart.
+  /// Of a portal.
   struct Label {
-    float cost;
-    float bound;  ///< h
-    std::int32_t parent;
-    std::uint32_t query;   ///< labels of other queries do not count
-    std::int32_t through;  ///< LTR that the way to the portal runs through last
+    float cost = 0.0F;
+    float bound = 0.0F;                     ///< h
+    std::int32_t parent = 0;                ///< twice the portal, or kStart, plus the end (below)
+    std::uint32_t query = 0;                ///< labels of other queries do not count
+    int end() const { return parent & 1; }  ///< of the portal's LTRs the one that leads to it
+    int from() const { return parent >> 1; }
   };
   struct Entry {
-    float total;
+    float cost;
     std::int32_t portal;
-    bool operator>(const Entry& other) const { return total > other.total; }
   };
   static constexpr std::int32_t kStart = -1;
 
   void begin(const DoorGraph& graph);
+  void open(int portal);
   void offer(int portal, float cost, int parent, int through);
+  bool next(float limit, Entry& entry);
   void expand(int portal);
   bool admits(int ltr, const std::vector<Triangle::Local>& points) const;
   bool admitsWay(int ltr, int from, int to) const;
@@ -69,10 +71,15 @@ class DoorSearch {
   void trace(const GraphPlace& start, const GraphPlace& goal, int last, DoorRoute& route) const;
 
   const DoorGraph* graph_ = nullptr;
-  Eigen::Vector2d goal_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2f goal_ = Eigen::Vector2f::Zero();
+  float least_ = 0.0F;
   const Options* options_ = nullptr;
   std::vector<Label> labels_;
-  std::vector<Entry> queue_;
+  /// By total cost in steps of bucket_. What is taken up too early is taken up again when it turns
+  /// out to be cheaper, so the order within a bucket does not matter for the outcome.
+  std::vector<std::vector<Entry>> buckets_;
+  std::size_t first_bucket_ = 0;
+  float lowest_ = 0.0F, buckets_per_cost_ = 1.0F;
   std::uint32_t query_ = 0;
   std::vector<LocalPath> from_start_, to_goal_;  ///< by portal of the LTR of start and goal
   LocalPath direct_;

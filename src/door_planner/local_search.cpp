@@ -54,6 +54,11 @@ void LocalSearch::prepare() {
       if (!climbs.empty()) climbs[place] = costs_.climb(cell);
     }
   }
+  cheapest_step_ = kInfinite;
+  for (const CellStep& step : steps) {
+    cheapest_step_ = std::min(cheapest_step_, static_cast<float>(step.length_m));
+  }
+  cheapest_step_ *= static_cast<float>(costs_.leastPerMetre());
   for (const CellStep& step : steps) step_offsets_.push_back(step.dj * stride_ + step.di);
   step_costs_.assign(padded.size() * steps.size(), kInfinite);
   for (std::size_t at = 0; at < padded.size(); ++at) {
@@ -103,14 +108,16 @@ void LocalSearch::spread(const Triangle::Local& place, Direction direction,
                          const std::vector<Triangle::Local>& others,
                          const std::vector<bool>& wanted) {
   labels_.assign(std::size_t(stride_) * std::size_t(rows_), Label{kInfinite, -1});
-  using Entry = std::pair<float, int>;
-  std::vector<Entry> queue;
+  for (std::vector<Entry>& bucket : buckets_) bucket.clear();
+  // As wide as a step is cheap at least: what is taken up too early is taken up again.
+  const float per_cost = 1.0F / std::max(cheapest_step_, 1e-6F);
   const auto push = [&](float cost, int cell, int parent) {
     Label& label = labels_[std::size_t(cell)];
     if (cost >= label.cost) return;
     label = {cost, parent};
-    queue.emplace_back(cost, cell);
-    std::push_heap(queue.begin(), queue.end(), std::greater<>());
+    const std::size_t bucket = std::size_t(cost * per_cost);
+    if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
+    buckets_[bucket].push_back({cost, cell});
   };
   visitNear(place, [&](int cell) {
     push(static_cast<float>(oriented(place, placeOf(cell), direction)), cell, -1);
@@ -126,22 +133,23 @@ void LocalSearch::spread(const Triangle::Local& place, Direction direction,
     });
   }
   const std::size_t steps = step_offsets_.size();
-  while (!queue.empty() && ends > 0) {
-    std::pop_heap(queue.begin(), queue.end(), std::greater<>());
-    const auto [cost, cell] = queue.back();
-    queue.pop_back();
-    if (cost > labels_[std::size_t(cell)].cost) continue;
-    if (is_end[std::size_t(cell)]) {
-      is_end[std::size_t(cell)] = false;
-      --ends;
-    }
-    for (std::size_t k = 0; k < steps; ++k) {
-      const int next = cell + step_offsets_[k];
-      const float step = direction == Direction::kFrom
-                             ? step_costs_[std::size_t(cell) * steps + k]
-                             : step_costs_[std::size_t(next) * steps +
-                                           std::size_t(metric_.oppositeOf(static_cast<int>(k)))];
-      if (step < kInfinite) push(cost + step, next, cell);
+  for (std::size_t bucket = 0; bucket < buckets_.size() && ends > 0; ++bucket) {
+    while (!buckets_[bucket].empty()) {
+      const auto [cost, cell] = buckets_[bucket].back();
+      buckets_[bucket].pop_back();
+      if (cost > labels_[std::size_t(cell)].cost) continue;
+      if (is_end[std::size_t(cell)]) {
+        is_end[std::size_t(cell)] = false;
+        --ends;
+      }
+      for (std::size_t k = 0; k < steps; ++k) {
+        const int next = cell + step_offsets_[k];
+        const float step = direction == Direction::kFrom
+                               ? step_costs_[std::size_t(cell) * steps + k]
+                               : step_costs_[std::size_t(next) * steps +
+                                             std::size_t(metric_.oppositeOf(static_cast<int>(k)))];
+        if (step < kInfinite) push(cost + step, next, cell);
+      }
     }
   }
 }

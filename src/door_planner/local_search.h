@@ -40,6 +40,10 @@ class LocalSearch {
     float cost;
     int parent;
   };
+  struct Entry {
+    float cost;
+    int cell;
+  };
   struct Link {
     int cell = -1;  ///< padded
     double cost = kNoPassing;
@@ -69,7 +73,9 @@ class LocalSearch {
   bool is_prepared_ = false;
   std::vector<int> step_offsets_;
   std::vector<float> step_costs_;  ///< by padded cell, then step; infinite where it cannot be taken
-  std::vector<Label> labels_;      ///< by padded cell
+  float cheapest_step_ = 0.0F;
+  std::vector<std::vector<Entry>> buckets_;  ///< by cost
+  std::vector<Label> labels_;                ///< by padded cell
 };
 
 }  // namespace hymm::core
