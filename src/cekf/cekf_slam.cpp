@@ -62,7 +62,7 @@ class CekfSlam::Impl {
         perception_(config.perception),
         associator_(config.association, config.update.atFirstEstimates()),
         scan_update_(config.update.atFirstEstimates() ? 1 : config.update.max_iterations),
-        life_cycle_(config.landmarks),
+        life_cycle_(config.landmarks, config.association),
         pins_(config.landmarks.pin_delay_s),
         area_(config.active_area),
         estimate_(newEstimate()) {}
@@ -291,7 +291,8 @@ class CekfSlam::Impl {
                            : 0;
     countObservations(association, created, missed, outcome);
     outcome.largest_correction_m =
-        std::max(outcome.largest_correction_m, life_cycle_.merge(association, estimate_.filter));
+        std::max({outcome.largest_correction_m, life_cycle_.merge(association, estimate_.filter),
+                  life_cycle_.closeLoop(set.time_s, estimate_.filter)});
     life_cycle_.refreshActive(estimate_.filter);
     if (outcome.largest_correction_m > config_.large_correction_m) spreadCorrection();
     const Eigen::Matrix3d relative = covarianceAmongSeen(association);

@@ -48,6 +48,14 @@ void AssociationConfig::describe(ConfigSchema& schema) {
                 "an observation inside this gate of a landmark starts no new one");
   schema.number("identity_probability", identity_probability, kGateProbability,
                 "gate of observations whose identity the sensor reads");
+  schema.number("unmapped_density_per_m2", unmapped_density_per_m2, Range::positive(),
+                "of objects that look like landmarks and are not in the map; about the density of "
+                "landmarks where the map has not been. Where the vehicle is so uncertain that an "
+                "observation could be of one of them, it proves nothing alone");
+  schema.number(
+      "coincidence_probability", coincidence_probability, Range::between(1e-12, 1.0),
+      "pairings of observations and landmarks count only where it is less likely than this "
+      "that other objects stand there by chance");
   schema.integer("max_nodes", max_nodes, Range::between(10, 1e8),
                  "of the joint compatibility search; beyond, the best so far is taken");
   schema.flag("use_diameter", use_diameter, "diameters tell landmarks apart");
@@ -87,6 +95,14 @@ void LandmarkConfig::describe(ConfigSchema& schema) {
                 "`ltrs` may take, so that live and offline agree");
   schema.number("merge_distance_m", merge_distance_m, Range::notNegative(),
                 "largest distance between two estimates of one object; 0 never merges");
+  schema.number("constellation_radius_m", constellation_radius_m, Range::notNegative(),
+                "around the vehicle: landmarks in it that were seen lately are compared, all "
+                "together, with older ones that they may be; 0 never compares");
+  schema.number("constellation_span_s", constellation_span_s, Range::notNegative(),
+                "what was seen within this time was seen lately");
+  schema.number("constellation_coincidence", constellation_coincidence, Range::between(1e-12, 1.0),
+                "they are fused only if it is less likely than this that other objects stand there "
+                "by chance; stricter than for a scan, since it cannot be undone");
   schema.number("merge_probability", merge_probability, kGateProbability,
                 "chi-square gate of their difference");
 }

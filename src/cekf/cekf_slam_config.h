@@ -32,6 +32,8 @@ struct AssociationConfig {
   double individual_probability = 0.9999;    ///< chi-square gate of one observation
   double unpaired_probability = 0.99;        ///< of the quantile that leaving one out costs
   double joint_probability = 0.99;           ///< chi-square gate of a whole scan
+  double unmapped_density_per_m2 = 0.01;     ///< of objects that are not in the map
+  double coincidence_probability = 0.05;     ///< below which pairings count as proven
   double new_landmark_probability = 0.9999;  ///< an observation inside this gate is no new landmark
   double identity_probability = 0.999999;    ///< gate of observations with a known identity
   int max_nodes = 20000;
@@ -57,6 +59,9 @@ struct LandmarkConfig {
   double drop_log_odds = -4.0;                ///< of existence
   double pin_delay_s = 2.0;                   ///< from the stamp of a set of pinned landmarks
   double merge_distance_m = 0.6;              ///< between two estimates of one object
+  double constellation_coincidence = 0.001;   ///< below which duplicates count as proven
+  double constellation_radius_m = 50.0;  ///< around the vehicle, in which duplicates are looked for
+  double constellation_span_s = 30.0;    ///< since the last sighting of a possible duplicate
   double merge_probability = 0.95;
 
   void describe(ConfigSchema& schema);

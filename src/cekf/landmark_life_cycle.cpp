@@ -25,6 +25,10 @@ constexpr double kLargestLogOdds = 5.0;
 // Noise of the pseudo-observation "these two are one object".
 constexpr double kFusionVariance = 1e-4;
 
+// Between two searches for duplicates: what they find changes with the landmarks that come into
+// view.
+constexpr double kSearchPeriod_s = 1.0;
+
 // Moves that nobody needs to hear of.
 constexpr double kNoticeableMove_m = 1e-3;
 
@@ -43,13 +47,15 @@ void fuseDiameter(const Observation& observation, RegisteredLandmark& landmark) 
 
 }  // namespace
 
-LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config)
+LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config,
+                                     const AssociationConfig& association)
     : config_(config),
       merge_gate_(chiSquareQuantile(config.merge_probability, 2)),
       hit_log_odds_(std::log(config.detection_probability / config.false_detection_probability)),
       miss_log_odds_(std::log((1.0 - config.detection_probability) /
                               (1.0 - config.false_detection_probability))),
-      tentative_({config.promote_sightings, config.promote_share, config.promote_span_s}) {}
+      tentative_({config.promote_sightings, config.promote_share, config.promote_span_s}),
+      duplicate_search_(config, association) {}
 
 void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation& association) {
   ++scan_number_;
@@ -135,6 +141,7 @@ int LandmarkLifeCycle::promote(const Observation& observation, const Observation
   landmark.diameter_m = observation.diameter_m;
   landmark.diameter_variance = observation.diameter_variance;
   landmark.observations = 1;
+  landmark.first_seen_s = set.time_s;
   landmark.last_seen_s = set.time_s;
   landmark.farthest_seen_m = observation.range_m;
   landmark.existence_log_odds = hit_log_odds_;
@@ -163,6 +170,7 @@ int LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
     RegisteredLandmark& landmark = registry_.bySlot(slot);
     if (landmark.last_seen_s >= set.time_s) continue;
     if (!shouldBeVisible(scan, T_sensor_map * landmark.position, landmark, config_)) continue;
+    if (!isPlaceKnown(landmark, filter)) continue;
     ++missed;
     landmark.existence_log_odds += miss_log_odds_;
     if (landmark.existence_log_odds >= config_.drop_log_odds) continue;
@@ -209,8 +217,9 @@ double LandmarkLifeCycle::merge(const ScanAssociation& association, CompressedEk
       const RegisteredLandmark& other = registry_.bySlot(other_slot);
       if (!areOneObject(landmark, other, filter)) continue;
       // The older one stays: others may already refer to it.
+      const bool is_older = landmark.id < other.id;
       // One a scan is plenty, and references are void now.
-      return fuse(std::min(landmark.id, other.id), std::max(landmark.id, other.id), filter);
+      return fuse({{is_older ? slot : other_slot, is_older ? other_slot : slot}}, filter);
     }
   }
   return 0.0;
@@ -218,8 +227,7 @@ double LandmarkLifeCycle::merge(const ScanAssociation& association, CompressedEk
 
 bool LandmarkLifeCycle::areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
                                      CompressedEkf& filter) const {
-  const auto distinct = distinct_from_.find(a.id);
-  if (distinct != distinct_from_.end() && distinct->second.count(b.id) > 0) return false;
+  if (areDistinct(a.id, b.id)) return false;
   if (a.identity >= 0 || b.identity >= 0) return false;
   if (a.type != b.type && a.type != LandmarkType::kUnknown && b.type != LandmarkType::kUnknown) {
     return false;
@@ -234,20 +242,65 @@ bool LandmarkLifeCycle::areOneObject(const RegisteredLandmark& a, const Register
   return difference.dot(covariance.inverse() * difference) <= merge_gate_;
 }
 
-double LandmarkLifeCycle::fuse(int id_kept, int id_gone, CompressedEkf& filter) {
-  RegisteredLandmark& kept = registry_.byId(id_kept);
-  const RegisteredLandmark gone = registry_.byId(id_gone);
-  SparseMeasurement same_place;
-  same_place.innovation = filter.landmark(gone.slot) - filter.landmark(kept.slot);
-  same_place.H_vehicle.resize(2, 0);
-  same_place.landmarks[0] = kept.slot;
-  same_place.landmarks[1] = gone.slot;
-  same_place.H_landmarks[0] = Matrix2d::Identity();
-  same_place.H_landmarks[1] = -Matrix2d::Identity();
-  same_place.noise = kFusionVariance * Matrix2d::Identity();
-  const UpdateOutcome outcome = filter.update({same_place});
-  if (!std::isfinite(outcome.nis)) return 0.0;
+bool LandmarkLifeCycle::areDistinct(int id_a, int id_b) const {
+  const auto distinct = distinct_from_.find(id_a);
+  return distinct != distinct_from_.end() && distinct->second.count(id_b) > 0;
+}
 
+double LandmarkLifeCycle::closeLoop(double time_s, CompressedEkf& filter) {
+  if (time_s - searched_s_ < kSearchPeriod_s) return 0.0;
+  searched_s_ = time_s;
+  const auto are_distinct = [this](int a, int b) {
+    return areDistinct(registry_.bySlot(a).id, registry_.bySlot(b).id);
+  };
+  const auto duplicates = duplicate_search_.find(time_s, VehicleState::pose(filter).position(),
+                                                 are_distinct, registry_, filter);
+  return duplicates.empty() ? 0.0 : fuse(duplicates, filter);
+}
+
+/// Whether it is known where in the scan the landmark should be, to the separation of landmarks.
+bool LandmarkLifeCycle::isPlaceKnown(const RegisteredLandmark& landmark,
+                                     const CompressedEkf& filter) const {
+  const Pose2 pose = VehicleState::pose(filter);
+  const Vector2d arm = landmark.position - pose.position();
+  Eigen::Matrix<double, 2, 3> H;  // of the landmark's place relative to the vehicle's, by the pose
+  H << -1.0, 0.0, arm.y(), 0.0, -1.0, -arm.x();
+  const Eigen::Matrix<double, 3, 2> cross =
+      filter.vehicleLandmarkCovariance(landmark.slot).topRows<3>();
+  const Matrix2d covariance = H * filter.vehicleCovariance().topLeftCorner<3, 3>() * H.transpose() +
+                              H * cross + (H * cross).transpose() +
+                              filter.covariance(landmark.slot, landmark.slot);
+  return covariance.trace() < config_.min_separation_m * config_.min_separation_m;
+}
+
+double LandmarkLifeCycle::fuse(const std::vector<DuplicateLandmarks>& duplicates,
+                               CompressedEkf& filter) {
+  std::vector<SparseMeasurement> same_places;
+  for (const DuplicateLandmarks& pair : duplicates) {
+    SparseMeasurement same_place;
+    same_place.innovation = filter.landmark(pair.gone) - filter.landmark(pair.kept);
+    same_place.H_vehicle.resize(2, 0);
+    same_place.landmarks[0] = pair.kept;
+    same_place.landmarks[1] = pair.gone;
+    same_place.H_landmarks[0] = Matrix2d::Identity();
+    same_place.H_landmarks[1] = -Matrix2d::Identity();
+    same_place.noise = kFusionVariance * Matrix2d::Identity();
+    same_places.push_back(same_place);
+  }
+  const UpdateOutcome outcome = filter.update(same_places);
+  if (!std::isfinite(outcome.nis)) return 0.0;
+  for (const DuplicateLandmarks& pair : duplicates) {
+    const RegisteredLandmark gone = registry_.bySlot(pair.gone);
+    takeOver(gone, registry_.bySlot(pair.kept));
+    drop(gone.id, filter);
+    merges_.push_back({gone.id, registry_.bySlot(pair.kept).id});
+    ++counts_.merged;
+  }
+  followMerges();
+  return outcome.largest_landmark_move_m;
+}
+
+void LandmarkLifeCycle::takeOver(const RegisteredLandmark& gone, RegisteredLandmark& kept) {
   kept.observations += gone.observations;
   kept.farthest_seen_m = std::max(kept.farthest_seen_m, gone.farthest_seen_m);
   kept.last_seen_s = std::max(kept.last_seen_s, gone.last_seen_s);
@@ -255,11 +308,6 @@ double LandmarkLifeCycle::fuse(int id_kept, int id_gone, CompressedEkf& filter) 
   if (kept.observations >= config_.confirm_observations) unconfirmed_ids_.erase(kept.id);
   const std::set<int> others = distinct_from_[gone.id];
   distinct_from_[kept.id].insert(others.begin(), others.end());
-  drop(id_gone, filter);
-  merges_.push_back({id_gone, id_kept});
-  followMerges();
-  ++counts_.merged;
-  return outcome.largest_landmark_move_m;
 }
 
 void LandmarkLifeCycle::drop(int id, CompressedEkf& filter) {
@@ -333,8 +381,7 @@ void LandmarkLifeCycle::clear() {
   merges_taken_ = 0;
   changed_ids_.clear();
   unconfirmed_ids_.clear();
-  told_pins_.clear();
-  pinned_ids_.clear();
+  searched_s_ = -std::numeric_limits<double>::infinity();
   distinct_from_.clear();
   next_id_ = 0;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <set>
 #include <unordered_map>
 #include <unordered_set>
@@ -7,6 +8,7 @@
 
 #include "cekf/cekf_slam_config.h"
 #include "cekf/compressed_ekf.h"
+#include "cekf/duplicate_search.h"
 #include "cekf/landmark_map.h"
 #include "cekf/landmark_registry.h"
 #include "cekf/scan_associator.h"
@@ -25,7 +27,7 @@ class LandmarkLifeCycle {
     std::size_t merged = 0;
   };
 
-  explicit LandmarkLifeCycle(const LandmarkConfig& config);
+  LandmarkLifeCycle(const LandmarkConfig& config, const AssociationConfig& association);
 
   /// Notes what the associated observations say of their landmarks.
   void confirm(const ObservationSet& set, const ScanAssociation& association);
@@ -51,6 +53,10 @@ class LandmarkLifeCycle {
   /// Fuses landmarks of this scan with others that are the same object. Returns how far that moved
   /// an active landmark [m].
   double merge(const ScanAssociation& association, CompressedEkf& filter);
+
+  /// Fuses landmarks around the vehicle with older ones that they turn out to be, together. Returns
+  /// how far that moved an active landmark [m].
+  double closeLoop(double time_s, CompressedEkf& filter);
 
   /// Takes over the filter's positions of active landmarks.
   void refreshActive(const CompressedEkf& filter);
@@ -84,7 +90,10 @@ class LandmarkLifeCycle {
   void noteNeighboursSeenTogether(const std::vector<int>& slots);
   bool areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
                     CompressedEkf& filter) const;
-  double fuse(int id_kept, int id_gone, CompressedEkf& filter);
+  bool areDistinct(int id_a, int id_b) const;
+  bool isPlaceKnown(const RegisteredLandmark& landmark, const CompressedEkf& filter) const;
+  double fuse(const std::vector<DuplicateLandmarks>& duplicates, CompressedEkf& filter);
+  void takeOver(const RegisteredLandmark& gone, RegisteredLandmark& kept);
   void drop(int id, CompressedEkf& filter);
   void followMerges();
 
@@ -93,6 +102,8 @@ class LandmarkLifeCycle {
   double hit_log_odds_, miss_log_odds_;
   LandmarkRegistry registry_;
   TentativeLandmarks tentative_;
+  DuplicateSearch duplicate_search_;
+  double searched_s_ = -std::numeric_limits<double>::infinity();  ///< for duplicates
   std::vector<LandmarkMerge> merges_;
   std::size_t merges_taken_ = 0;
   std::unordered_set<int> changed_ids_;

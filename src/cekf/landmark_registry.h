@@ -20,6 +20,7 @@ struct RegisteredLandmark {
   double diameter_m = 0.0;         ///< NaN where unknown
   double diameter_variance = 0.0;  ///< m^2, NaN where unknown
   int observations = 0;
+  double first_seen_s = 0.0;
   double last_seen_s = 0.0;
   double farthest_seen_m = 0.0;  ///< range of its farthest observation
   double existence_log_odds = 0.0;

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "cekf/landmark_measurement.h"
+#include "cekf/pairing_evidence.h"
 #include "cekf/vehicle_state.h"
 #include "common/chi_square.h"
 
@@ -44,6 +45,7 @@ ScanAssociator::ScanAssociator(const AssociationConfig& config, bool at_first_es
       individual_gate_(chiSquareQuantile(config.individual_probability, 2)),
       new_landmark_gate_(chiSquareQuantile(config.new_landmark_probability, 2)),
       identity_gate_(chiSquareQuantile(config.identity_probability, 2)),
+      least_log_odds_(-std::log(config.coincidence_probability)),
       joint_({chiSquareQuantile(config.unpaired_probability, 2), config.joint_probability,
               config.max_nodes}) {}
 
@@ -59,6 +61,13 @@ SparseMeasurement ScanAssociator::measurementOf(const Observation& observation,
     linearise(measurement, pose, sensor, landmark.first_estimate, states);
   }
   return measurement;
+}
+
+/// Whether an object in the gate of innovation covariance `S` would hardly be another one.
+bool ScanAssociator::isPlaceKnown(const Matrix2d& S, double chance_density) const {
+  Pairing here;
+  here.chance_density = chance_density;
+  return logOdds({0}, {here}, S) >= least_log_odds_;
 }
 
 ScanAssociation ScanAssociator::associate(const ObservationSet& set, const SensorPlacement& sensor,
@@ -151,13 +160,15 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
                        candidate.measurement.noise;
     const Vector2d& innovation = candidate.measurement.innovation;
     const double distance2 = innovation.dot(S.inverse() * innovation);
-    if (distance2 <= std::max(new_landmark_gate_, individual_gate_)) result.claimed[i] = true;
+    const double chance_density = config_.unmapped_density_per_m2 * observation.range_m;
+    const bool is_near = distance2 <= std::max(new_landmark_gate_, individual_gate_);
+    if (is_near && isPlaceKnown(S, chance_density)) result.claimed[i] = true;
     if (distance2 > individual_gate_ || !sameKind(observation.type, landmark.type)) continue;
     const double cue = config_.use_diameter
                            ? diameterCost(observation, landmark, config_.diameter_irregularity_m)
                            : 0.0;
     if (cue > joint_.limits().unpaired_cost) continue;
-    candidate.pairing = {observation_index, slot, innovation, cue};
+    candidate.pairing = {observation_index, slot, innovation, cue, chance_density};
     candidate.distance2 = distance2;
     candidates.push_back(candidate);
   }
@@ -212,12 +223,16 @@ void ScanAssociator::chooseJointly(const std::vector<Candidate>& candidates,
   S = Eigen::MatrixXd(S.selfadjointView<Eigen::Lower>());
   const JointHypothesis best = joint_.find(pairings, S, static_cast<int>(result.slots.size()));
   result.complete = best.complete;
-  for (std::size_t i = 0; i < result.slots.size(); ++i) {
-    if (best.pairings[i] < 0) continue;
-    const Candidate& chosen = candidates[static_cast<std::size_t>(best.pairings[i])];
-    result.slots[i] = chosen.pairing.landmark;
+  std::vector<int> paired;
+  for (const int pairing : best.pairings) {
+    if (pairing >= 0) paired.push_back(pairing);
+  }
+  for (const int pairing : provenPairings(paired, pairings, S, least_log_odds_)) {
+    const Candidate& chosen = candidates[static_cast<std::size_t>(pairing)];
+    const auto observation = static_cast<std::size_t>(chosen.pairing.observation);
+    result.slots[observation] = chosen.pairing.landmark;
     result.measurements.push_back(chosen.measurement);
-    result.measured.push_back(i);
+    result.measured.push_back(observation);
   }
 }
 

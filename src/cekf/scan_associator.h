@@ -48,6 +48,7 @@ class ScanAssociator {
   SparseMeasurement measurementOf(const Observation& observation, const SensorPlacement& sensor,
                                   const RegisteredLandmark& landmark,
                                   const CompressedEkf& filter) const;
+  bool isPlaceKnown(const Eigen::Matrix2d& S, double chance_density) const;
   void associateByIdentity(const ObservationSet& set, const SensorPlacement& sensor,
                            LandmarkRegistry& registry, CompressedEkf& filter,
                            ScanAssociation& result) const;
@@ -64,6 +65,7 @@ class ScanAssociator {
   double individual_gate_;
   double new_landmark_gate_;
   double identity_gate_;
+  double least_log_odds_;
   JointCompatibility joint_;
 };
 

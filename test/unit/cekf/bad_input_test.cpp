@@ -159,10 +159,12 @@ class BadObservationOf : public testing::TestWithParam<BadObservation> {};
 
 TEST_P(BadObservationOf, IsRefusedAndCountedWhileTheOthersAreUsed) {
   CekfSlam slam = newSlam();
-  slam.process(MotionInput{TwistInput{0.0, 0.0, 0.0, 0.0, std::nullopt}});
-  for (int i = 0; i < 5; ++i) slam.process(setOf(0.5 * i + 0.1, {seen(8.0, 0.4)}));
+  for (int i = 0; i < 5; ++i) {
+    slam.process(MotionInput{TwistInput{0.5 * i, 0.0, 0.0, 0.0, std::nullopt}});
+    slam.process(setOf(0.5 * i + 0.1, {seen(8.0, 0.4)}));
+  }
   ASSERT_EQ(slam.landmarkCount(), 1U);
-  const auto outcome = slam.process(setOf(5.0, {GetParam().observation, seen(8.0, 0.4)}));
+  const auto outcome = slam.process(setOf(2.5, {GetParam().observation, seen(8.0, 0.4)}));
   ASSERT_TRUE(outcome && outcome->accepted);
   EXPECT_EQ(slam.counts().refused_observations, 1U);
   EXPECT_EQ(outcome->health.dof, 2);

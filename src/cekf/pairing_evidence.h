@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cekf/joint_compatibility.h"
+
+namespace hymm::core {
+
+/// How much pairings prove. Natural logarithm of the likelihood of their innovations, jointly, over
+/// that of finding other objects there by chance:
+///   -1/2 (D^2 + cue costs + ln|2 pi S|) - sum of ln(chance density).
+/// Where a landmark's place is well known, one match is plenty; where it is so uncertain that any
+/// object might be there, one proves nothing, and several have to agree. `chosen`: indices into
+/// `pairings`; `S` as for JointCompatibility::find(). Minus infinity if S is not positive definite.
+double logOdds(const std::vector<int>& chosen, const std::vector<Pairing>& pairings,
+               const Eigen::MatrixXd& S);
+
+/// Of the pairings chosen, those that are no coincidence: each that by itself, or given such ones,
+/// has at least `least_log_odds`; and all others if these together, given such ones, have it.
+/// Ascending.
+std::vector<int> provenPairings(const std::vector<int>& chosen,
+                                const std::vector<Pairing>& pairings, const Eigen::MatrixXd& S,
+                                double least_log_odds);
+
+}  // namespace hymm::core
