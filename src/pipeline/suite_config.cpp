@@ -20,6 +20,7 @@ void SuiteConfig::describe(ConfigSchema& schema) {
   schema.group("cekf_slam", cekf_slam);
   schema.group("dead_reckoning", dead_reckoning);
   schema.group("hymm_grid", hymm_grid);
+  schema.group("information_map", information_map);
   schema.group("supervisor", supervisor);
 }
 

@@ -6,6 +6,7 @@
 
 #include "cekf/cekf_slam_config.h"
 #include "common/config.h"
+#include "information_map/information_map_config.h"
 #include "pipeline/hymm_grid_config.h"
 #include "supervisor/supervisor_decision.h"
 #include "vehicle/dead_reckoning_config.h"
@@ -20,6 +21,7 @@ struct SuiteConfig {
   CekfSlamConfig cekf_slam;
   DeadReckoningConfig dead_reckoning;
   HymmGridConfig hymm_grid;
+  InformationMapConfig information_map;
   SupervisorConfig supervisor;
   bool vehicle_tells_laser = false;  ///< whether a file said where the laser stands
 

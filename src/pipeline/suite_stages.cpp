@@ -4,6 +4,7 @@
 
 #include "common/error.h"
 #include "pipeline/grid_stage.h"
+#include "pipeline/information_stage.h"
 
 namespace hymm::core {
 namespace {
@@ -20,6 +21,10 @@ const std::vector<StageKind>& stageKinds() {
       {GridStage::kName,
        [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
          return std::make_unique<GridStage>(config.hymm_grid);
+       }},
+      {InformationStage::kName,
+       [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
+         return std::make_unique<InformationStage>(config.information_map, config.vehicle);
        }},
   };
   return kinds;

@@ -1,10 +1,9 @@
 #include "information_map/information_map_config.h"
 
-#include <cstdlib>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <yaml-cpp/yaml.h>
+
+#include "support/shipped_config.h"
 
 namespace hymm::core {
 namespace {
@@ -46,27 +45,7 @@ TEST(InformationMapConfig, SortsItsValues) {
 }
 
 TEST(InformationMapConfig, IsDocumentedByItsShippedFile) {
-  const char* source = std::getenv("HYMM_SOURCE_DIR");
-  ASSERT_NE(source, nullptr);
-  const YAML::Node file = YAML::LoadFile(std::string(source) + "/config/information_map.yaml");
-  InformationMapConfig defaults;
-  ConfigSchema schema;
-  defaults.describe(schema);
-  for (const auto& entry : schema.entries()) {
-    YAML::Node node = YAML::Clone(file["information_map"]);
-    std::string rest = entry.path;
-    while (node && !rest.empty()) {
-      const std::size_t dot = rest.find('.');
-      node = YAML::Clone(node[rest.substr(0, dot)]);
-      rest = dot == std::string::npos ? "" : rest.substr(dot + 1);
-    }
-    ASSERT_TRUE(node && node.IsScalar()) << entry.path << " is missing";
-    std::visit(
-        [&](const auto* value) {
-          EXPECT_EQ(node.as<std::decay_t<decltype(*value)>>(), *value) << entry.path;
-        },
-        entry.value);
-  }
+  test::expectDocumentedByShippedFile("information_map", InformationMapConfig());
 }
 
 }  // namespace

@@ -1,0 +1,227 @@
+#include "nodes/information_map_node.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "ros/information_conversions.h"
+#include "ros/map_conversions.h"
+#include "ros/pose_conversions.h"
+#include "ros/steady_time.h"
+
+namespace hymm {
+namespace {
+
+constexpr std::size_t kMostPoses = 10000;
+
+/// Where the last update took longer, the sets are published moved before they are computed.
+constexpr double kSlowUpdate_ms = 200.0;
+
+std::string versionProblem(std::uint64_t wanted, std::uint64_t held) {
+  if (wanted <= held) return {};
+  return "Map version " + std::to_string(wanted) + " has not arrived; the newest is " +
+         std::to_string(held) + ". Ask again, or with map_version 0 for whichever is there.";
+}
+
+}  // namespace
+
+InformationMapNode::InformationMapNode(const core::InformationMapConfig& config,
+                                       const core::VehicleConfig& vehicle)
+    : map_frame_(vehicle.map_frame), information_(config, vehicle) {
+  level_sets_ = handle_.advertise<LevelSet>(
+      "level_sets", 16,
+      [this](const ros::SingleSubscriberPublisher& subscriber) { greet(subscriber); });
+  islands_markers_ = handle_.advertise<visualization_msgs::MarkerArray>("islands", 1, true);
+  maps_ = handle_.subscribe("landmarks", 2, &InformationMapNode::takeMap, this);
+  poses_ = handle_.subscribe("cekf/pose", 10, &InformationMapNode::takePose, this);
+  evaluate_service_ =
+      handle_.advertiseService("evaluate_information", &InformationMapNode::evaluate, this);
+  suggest_service_ =
+      handle_.advertiseService("suggest_exploration", &InformationMapNode::suggest, this);
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("level sets", this, &InformationMapNode::diagnose);
+  diagnostics_timer_ = handle_.createSteadyTimer(
+      ros::WallDuration(1.0),
+      [this](const ros::SteadyTimerEvent&) { diagnostics_.force_update(); });
+  worker_ = std::thread(&InformationMapNode::work, this);
+}
+
+InformationMapNode::~InformationMapNode() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  worker_.join();
+}
+
+void InformationMapNode::takePose(const FilterPoseConstPtr& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  pose_ = *message;
+}
+
+void InformationMapNode::takeMap(const LandmarkMapConstPtr& message) {
+  if (message->header.frame_id != map_frame_) {
+    causes_.count("landmarks in another frame", "Landmarks come in the frame '" +
+                                                    message->header.frame_id + "', not '" +
+                                                    map_frame_ + "'; they are not used.");
+    return;
+  }
+  Waiting next;
+  next.map = fromMessage(*message);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (pose_) next.T_map_base = fromMessage(pose_->pose.pose);
+  if (waiting_) ++skipped_maps_;
+  waiting_ = std::move(next);
+  changed_.notify_all();
+}
+
+void InformationMapNode::work() {
+  try {
+    while (true) {
+      std::unique_lock<std::mutex> lock(mutex_);
+      changed_.wait(lock, [this] { return waiting_ || stopping_; });
+      if (stopping_) return;
+      const Waiting next = std::move(*waiting_);
+      waiting_.reset();
+      lock.unlock();
+      compute(next);
+    }
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM("The level sets cannot be kept: " << error.what());
+    ros::shutdown();
+  }
+}
+
+void InformationMapNode::compute(const Waiting& next) {
+  const std::lock_guard<std::mutex> engine_lock(engine_mutex_);
+  if (next.map.version < information_.mapVersion()) {
+    ROS_WARN("The landmark map began anew; so do the level sets.");
+    information_.reset();
+  } else if (last_ms_ > kSlowUpdate_ms) {
+    publish(information_.levelSetsMovedTo(next.map), false);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++moved_sets_;
+  }
+  const double start_s = steadyNow();
+  const core::LevelSetUpdate update = information_.apply(next.map, next.T_map_base);
+  note(update, 1e3 * (steadyNow() - start_s));
+  if (update.refused.empty()) {
+    publish(information_.levelSets(), update.is_complete);
+  } else {
+    causes_.count("landmark map refused", update.refused);
+  }
+}
+
+void InformationMapNode::note(const core::LevelSetUpdate& update, double ms) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_ms_ = ms;
+  worst_ms_ = std::max(worst_ms_, ms);
+  last_update_ = update;
+  counts_ = information_.counts();
+}
+
+void InformationMapNode::publish(const core::LevelSets& sets, bool complete) {
+  std::vector<LevelSet> messages;
+  for (const core::LevelSet& set : sets.sets) {
+    messages.push_back(toMessage(sets, set, complete, map_frame_));
+    level_sets_.publish(messages.back());
+  }
+  if (sets.map_version == sets.computed_version) {
+    islands_markers_.publish(islandMarkers(sets, map_frame_));
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  published_ = std::move(messages);
+}
+
+/// Sends the sets of all values to a new subscriber; a latched topic would send the last only.
+void InformationMapNode::greet(const ros::SingleSubscriberPublisher& subscriber) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const LevelSet& message : published_) subscriber.publish(message);
+}
+
+bool InformationMapNode::evaluate(EvaluateInformation::Request& request,
+                                  EvaluateInformation::Response& response) {
+  const std::lock_guard<std::mutex> engine_lock(engine_mutex_);
+  response.map_version = information_.mapVersion();
+  response.message = versionProblem(request.map_version, response.map_version);
+  if (request.poses.size() > kMostPoses) {
+    response.message = "Asked for " + std::to_string(request.poses.size()) + " poses; at most " +
+                       std::to_string(kMostPoses) + " are answered at once.";
+  }
+  for (const geometry_msgs::Pose2D& pose : request.poses) {
+    if (std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.theta)) continue;
+    response.message = "A pose has a number that is not finite.";
+  }
+  response.success = response.message.empty();
+  if (!response.success) return true;
+  for (const geometry_msgs::Pose2D& pose : request.poses) {
+    const core::AchievableInformation information =
+        information_.evaluate({pose.x, pose.y, core::wrapAngle(pose.theta)});
+    response.information.push_back(information.value);
+    response.landmarks.push_back(information.landmarks);
+    for (int i = 0; i < 9; ++i) response.matrices.push_back(information.matrix(i / 3, i % 3));
+  }
+  return true;
+}
+
+bool InformationMapNode::suggest(SuggestExploration::Request& request,
+                                 SuggestExploration::Response& response) {
+  core::ExplorationRequest exploration;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!pose_) {
+      response.message = "No pose of the vehicle has come on cekf/pose yet.";
+      return true;
+    }
+    exploration.T_map_base = fromMessage(pose_->pose.pose);
+    exploration.covariance = planarCovariance(pose_->pose);
+  }
+  const std::lock_guard<std::mutex> engine_lock(engine_mutex_);
+  exploration.level = request.value > 0.0 ? information_.levelOf(request.value) : 1;
+  const core::ExplorationAnswer answer = information_.suggestExploration(exploration);
+  response.map_version = information_.mapVersion();
+  response.message = answer.problem;
+  response.success = answer.problem.empty();
+  for (const core::ExplorationGoal& goal : answer.goals) response.goals.push_back(toMessage(goal));
+  return true;
+}
+
+void InformationMapNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.summary(DiagnosticStatus::OK, "Level sets are kept");
+  if (counts_.maps == 0) {
+    status.mergeSummary(DiagnosticStatus::WARN, "No landmark map has been used");
+  }
+  if (!last_update_.refused.empty()) {
+    status.mergeSummary(DiagnosticStatus::ERROR, last_update_.refused);
+  } else if (!last_update_.is_complete) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "level_sets.max_evaluations leaves level sets unfinished");
+  }
+  status.add("maps used", counts_.maps);
+  status.add("maps refused", counts_.refused_maps);
+  status.add("maps passed over for a newer one", skipped_maps_);
+  status.add("sets moved along before they were computed", moved_sets_);
+  status.add("landmarks refused", counts_.refused_landmarks);
+  status.add("updates ended by max_evaluations", counts_.unfinished_updates);
+  status.add("evaluations, all", counts_.evaluations);
+  status.add("evaluations, last map", last_update_.evaluations);
+  status.add("update, last [ms]", last_ms_);
+  status.add("update, worst of the last second [ms]", worst_ms_);
+  for (std::size_t i = 0; i < published_.size(); ++i) {
+    const LevelSet& set = published_[i];
+    const std::string name = "value " + std::to_string(set.value) + ": ";
+    status.add(name + "area [m^2]", set.area);
+    status.add(name + "islands", set.islands.size());
+    if (i >= last_update_.levels.size()) continue;
+    status.add(name + "area lost, last map [m^2]", last_update_.levels[i].lost_m2);
+    status.add(name + "area gained, last map [m^2]", last_update_.levels[i].gained_m2);
+  }
+  for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);
+  worst_ms_ = 0.0;
+}
+
+}  // namespace hymm
