@@ -18,6 +18,9 @@ void registerScanBenchmarks(Registration& registration, const ScanOptions& optio
 /// BM_GlobalUpdate, BM_Dsyrk.
 void registerGlobalUpdateBenchmarks(Registration& registration);
 
+/// BM_ParticleUpdate, BM_ParticleUpdateKnownIdentities, BM_ParticleUpdateNearest.
+void registerParticleBenchmarks(Registration& registration);
+
 /// BM_Association, BM_AssociationByDensity.
 void registerAssociationBenchmarks(Registration& registration);
 

@@ -98,6 +98,7 @@ int run(int argc, char** argv) {
   registerAssociationBenchmarks(registration);
   registerLevelSetBenchmarks(registration);
   registerDoorPlannerBenchmarks(registration);
+  registerParticleBenchmarks(registration);
   if (registration.names().empty()) {
     std::fprintf(stderr, "No benchmark is called '%s'; --benchmark_list_tests names all.\n",
                  options.filter.c_str());

@@ -1,0 +1,183 @@
+#include "relocaliser/relocaliser.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "relocaliser/visible_landmarks.h"
+
+namespace hymm::core {
+namespace {
+
+// Modes that hold less weight than this are not told.
+constexpr double kLeastShare = 1e-4;
+
+// Poses by which the outcome is compared with all other places.
+constexpr std::size_t kRivals = 20000;
+
+/// Moves a Gaussian pose along by a step in its own axes.
+PosePrior moved(const PosePrior& prior, const MotionSince& motion) {
+  const Pose2& T = motion.T_begin_end();
+  const Eigen::Matrix2d R = prior.mean.rotation();
+  const Eigen::Vector2d way = R * T.position();
+  Eigen::Matrix3d J = Eigen::Matrix3d::Identity(), turn = J;
+  J(0, 2) = -way.y();
+  J(1, 2) = way.x();
+  turn.topLeftCorner<2, 2>() = R;
+  return {prior.mean * T,
+          J * prior.covariance * J.transpose() + turn * motion.covariance() * turn.transpose()};
+}
+
+Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double yaw_rad) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = Pose2{0.0, 0.0, yaw_rad}.rotation();
+  return turn * covariance * turn.transpose();
+}
+
+}  // namespace
+
+Relocaliser::Relocaliser(const RelocaliserConfig& config, const VehicleConfig& vehicle,
+                         const Calibration& calibration, RandomGenerator generator)
+    : config_(config),
+      generator_(generator),
+      filter_(config.particles),
+      motion_(vehicle, calibration),
+      recent_(static_cast<std::size_t>(config.recent_scans)) {}
+
+void Relocaliser::beginGlobally(LocalMap map, double time_s) {
+  map_ = std::move(map);
+  prior_.reset();
+  recent_.clear();
+  motion_.begin(time_s);
+  begun_ = true;
+  started_ = false;
+  time_s_.reset();
+  held_scans_ = 0;
+  ++counts_.begun;
+}
+
+void Relocaliser::begin(LocalMap map, double time_s) {
+  beginGlobally(std::move(map), time_s);
+  prior_ = map_.vehicle;
+}
+
+bool Relocaliser::process(const MotionInput& input) {
+  const bool taken = motion_.process(input);
+  if (!taken) ++counts_.refused_motion;
+  return taken;
+}
+
+std::optional<RelocaliserOutcome> Relocaliser::process(const ObservationSet& set) {
+  if (!begun_) return std::nullopt;
+  const std::vector<ObservedPoint> points = observedPoints(set, config_.density.min_deviation_m);
+  if (!std::isfinite(set.time_s) || (time_s_ && set.time_s <= *time_s_)) {
+    ++counts_.refused_scans;
+    return std::nullopt;
+  }
+  ++counts_.scans;
+  time_s_ = set.time_s;
+  motion_.advance(set.time_s);
+  if (prior_) prior_ = moved(*prior_, motion_);
+  recent_.move(motion_.T_begin_end(), motion_.covariance());
+  recent_.add(points);
+  held_way_m_ += motion_.T_begin_end().position().norm();
+  bool resampled = false;
+  if (started_) {
+    filter_.move(motion_.step(), generator_);
+    filter_.weigh(DensityMap(visibleLandmarks(points), points, viewArea_m2(), config_.density));
+  } else if (static_cast<int>(points.size()) < config_.initial_observations) {
+    ++counts_.poor_scans;
+    motion_.begin(set.time_s);
+    return std::nullopt;
+  } else {
+    start(points);
+  }
+  RelocaliserOutcome outcome = judge(points, set.T_base_sensor);
+  resampled = filter_.resampleIfDue(generator_);
+  outcome.resampled = resampled;
+  outcome.time_s = set.time_s;
+  motion_.begin(set.time_s);
+  return outcome;
+}
+
+void Relocaliser::start(const std::vector<ObservedPoint>& points) {
+  const DensityMap density(map_.landmarks, points, viewArea_m2(), config_.density);
+  const HelicalRegions regions = regionsOf(points);
+  const int count = isGlobal() ? config_.global_particles : config_.initial_particles;
+  filter_.begin(
+      sampleHelicalRegions(regions, density, static_cast<std::size_t>(count), generator_));
+  started_ = filter_.particles().size() > 0;
+}
+
+HelicalRegions Relocaliser::regionsOf(const std::vector<ObservedPoint>& points) const {
+  HelicalRegions regions{map_.landmarks, points, {}, prior_, config_.local_map.prior_deviations};
+  if (prior_) {
+    regions.headings = {prior_->mean.yaw_rad,
+                        config_.local_map.prior_deviations * std::sqrt(prior_->covariance(2, 2))};
+  }
+  return regions;
+}
+
+std::vector<LocalLandmark> Relocaliser::visibleLandmarks(
+    const std::vector<ObservedPoint>& points) const {
+  return findVisibleLandmarks(filter_.particles(), points, map_.landmarks);
+}
+
+double Relocaliser::viewArea_m2() const {
+  return 0.5 * config_.field_of_view_rad * config_.range_m * config_.range_m;
+}
+
+RelocaliserOutcome Relocaliser::judge(const std::vector<ObservedPoint>& points,
+                                      const Pose2& T_base_sensor) {
+  RelocaliserOutcome outcome;
+  outcome.particles = filter_.particles().size();
+  outcome.effective_number = filter_.effectiveNumber();
+  outcome.modes = computeModes(filter_.particles(), config_.particles.bin(), kLeastShare);
+  Eigen::Vector3d limit = Eigen::Vector3d::Zero();
+  if (!outcome.modes.empty()) {
+    const ParticleMode& best = outcome.modes.front();
+    outcome.T_map_base = map_.T_map_local * best.mean;
+    outcome.covariance = turned(best.covariance, map_.T_map_local.yaw_rad);
+    const SensorView view{T_base_sensor, config_.expected_range_m, config_.field_of_view_rad};
+    outcome.explanation = explainScan(best.mean, best.covariance, points, map_.landmarks, view,
+                                      config_.convergence.gate_probability);
+    limit = convergedDeviations(best.mean, motion_.deviationOfOneSecond(),
+                                outcome.explanation.information, config_.convergence);
+  }
+  outcome.doubt = findDoubt(outcome.modes, outcome.explanation, limit, config_.convergence);
+  if (!outcome.doubt.empty()) {
+    held_scans_ = 0;
+    held_way_m_ = 0.0;
+  } else if (++held_scans_ < config_.convergence.hold_scans ||
+             held_way_m_ < config_.convergence.hold_way_m) {
+    outcome.doubt = "it has not held for long enough";
+  } else if (hasRival(outcome.modes.front().mean)) {
+    ++counts_.rivals;
+    outcome.doubt = "another place explains the last scans nearly as well";
+  }
+  outcome.held_scans = held_scans_;
+  outcome.converged = outcome.doubt.empty();
+  return outcome;
+}
+
+bool Relocaliser::hasRival(const Pose2& best) {
+  const std::vector<ObservedPoint> points = recent_.points();
+  const DensityMap density(map_.landmarks, points, viewArea_m2(), config_.density);
+  const HelicalRegions regions = regionsOf(points);
+  ParticleSet rivals = sampleHelicalRegions(regions, density, kRivals, generator_);
+  std::fill(rivals.log_weight.begin(), rivals.log_weight.end(), 0.0F);
+  rivals.add(best);
+  addLookups(density.grid(), density.lookups().data(), density.lookups().size(), rivals);
+  const float of_best = rivals.log_weight.back();
+  float of_rival = 0.0F;
+  for (std::size_t i = 0; i + 1 < rivals.size(); ++i) {
+    const Pose2 apart = inverse(best) * rivals.pose(i);
+    if (apart.position().norm() < config_.rival_distance_m &&
+        std::abs(apart.yaw_rad) < config_.rival_angle_rad) {
+      continue;
+    }
+    of_rival = std::max(of_rival, rivals.log_weight[i]);
+  }
+  return static_cast<double>(of_best - of_rival) < config_.convergence.rival_margin;
+}
+
+}  // namespace hymm::core

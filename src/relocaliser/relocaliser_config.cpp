@@ -1,0 +1,30 @@
+#include "relocaliser/relocaliser_config.h"
+
+namespace hymm::core {
+
+void RelocaliserConfig::describe(ConfigSchema& schema) {
+  schema.integer("initial_particles", initial_particles, Range::between(1000, 5000000),
+                 "particles at the start");
+  schema.integer("global_particles", global_particles, Range::between(1000, 5000000),
+                 "particles at the start where the vehicle may be anywhere");
+  schema.integer("initial_observations", initial_observations, Range::between(2, 100),
+                 "fewest observations of the scan that begins");
+  schema.number("range_m", range_m, Range{1.0, 1000.0},
+                "farthest range at which landmarks are observed");
+  schema.number("expected_range_m", expected_range_m, Range{1.0, 1000.0},
+                "range within which a landmark that is not hidden should be observed");
+  schema.number("field_of_view_rad", field_of_view_rad, Range{0.1, 6.2832},
+                "of the sensor, symmetric about its x axis");
+  schema.integer("recent_scans", recent_scans, Range::between(1, 100),
+                 "scans by which the outcome is compared with all other places");
+  schema.number("rival_distance_m", rival_distance_m, Range{0.1, 100.0},
+                "a pose farther from the outcome than this is another place ...");
+  schema.number("rival_angle_rad", rival_angle_rad, Range{0.01, 3.2},
+                "... or one that is turned by more than this");
+  schema.group("local_map", local_map);
+  schema.group("density", density);
+  schema.group("particles", particles);
+  schema.group("convergence", convergence);
+}
+
+}  // namespace hymm::core

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "common/config.h"
+#include "relocaliser/convergence.h"
+#include "relocaliser/density_map.h"
+#include "relocaliser/local_map.h"
+#include "relocaliser/particle_filter.h"
+
+namespace hymm::core {
+
+/// Parameters of the relocaliser, as config/relocaliser.yaml documents them.
+struct RelocaliserConfig {
+  int initial_particles = 50000;
+  int global_particles = 400000;   ///< where the vehicle may be anywhere
+  int initial_observations = 3;    ///< a scan with fewer does not begin
+  double range_m = 30.0;           ///< farthest at which landmarks are observed
+  double expected_range_m = 20.0;  ///< within which they should be
+  double field_of_view_rad = kPi;
+  int recent_scans = 10;          ///< by which the outcome is compared with all other places
+  double rival_distance_m = 1.5;  ///< beyond it a pose is another place
+  double rival_angle_rad = 0.2;
+  LocalMapConfig local_map;
+  DensityConfig density;
+  ParticleFilterConfig particles;
+  ConvergenceConfig convergence;
+
+  void describe(ConfigSchema& schema);
+};
+
+}  // namespace hymm::core
