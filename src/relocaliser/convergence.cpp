@@ -20,6 +20,9 @@ using Eigen::Vector3d;
 // Landmarks nearer to the edge of the view than this are not expected.
 constexpr double kViewMargin_rad = 0.1;
 
+// Scans after which a landmark counts as seen, or as never seen.
+constexpr int kEnoughScans = 3;
+
 /// Derivative of the place of a point by the pose that puts it there.
 Eigen::Matrix<double, 2, 3> pointJacobian(const Pose2& pose, const Vector2d& p_local_point) {
   const Vector2d arm = p_local_point - pose.position();
@@ -66,6 +69,8 @@ void ConvergenceConfig::describe(ConfigSchema& schema) {
                 "share of the observations that landmarks have to explain");
   schema.number("most_missed", most_missed, Range::between(0.0, 1.0),
                 "share of the landmarks that should have been seen and need not have been");
+  schema.number("most_absent", most_absent, Range::between(0.0, 10.0),
+                "landmarks that are never seen though they should be, for each that is seen");
   schema.integer("least_landmarks", least_landmarks, Range::between(2, 100),
                  "different landmarks that have to explain a scan");
   schema.number("gate_probability", gate_probability, Range::between(0.5, 0.999999),
@@ -96,14 +101,43 @@ Explanation explainScan(const Pose2& T_local_base, const Matrix3d& covariance,
     if (!seen.insert(nearest.landmark->id).second) continue;
     result.information += J.transpose() * nearest.independent.inverse() * J;
   }
-  result.landmarks = static_cast<int>(seen.size());
+  result.seen.assign(seen.begin(), seen.end());
   const Pose2 T_local_sensor = T_local_base * view.T_base_sensor;
   for (const LocalLandmark& landmark : landmarks) {
-    if (!isExpected(T_local_sensor, landmark, view)) continue;
-    ++result.expected;
-    if (seen.count(landmark.id) == 0) ++result.missed;
+    if (seen.count(landmark.id) == 0 && isExpected(T_local_sensor, landmark, view)) {
+      result.missed.push_back(landmark.id);
+    }
   }
   return result;
+}
+
+void HeldEvidence::clear() { *this = {}; }
+
+void HeldEvidence::add(const Explanation& explanation, double way_m) {
+  ++scans_;
+  way_m_ += way_m;
+  observations_ += explanation.observations;
+  explained_ += explanation.explained;
+  for (const int id : explanation.seen) ++landmarks_[id].seen;
+  for (const int id : explanation.missed) ++landmarks_[id].missed;
+}
+
+double HeldEvidence::explainedShare() const {
+  return observations_ > 0 ? static_cast<double>(explained_) / observations_ : 0.0;
+}
+
+int HeldEvidence::present() const {
+  return static_cast<int>(
+      std::count_if(landmarks_.begin(), landmarks_.end(), [](const auto& entry) {
+        return entry.second.seen >= kEnoughScans && entry.second.seen > entry.second.missed;
+      }));
+}
+
+int HeldEvidence::absent() const {
+  return static_cast<int>(
+      std::count_if(landmarks_.begin(), landmarks_.end(), [](const auto& entry) {
+        return entry.second.missed >= kEnoughScans && entry.second.seen == 0;
+      }));
 }
 
 Vector3d convergedDeviations(const Pose2& T_local_base, const Vector3d& motion_deviation,
@@ -125,12 +159,24 @@ std::string findDoubt(const std::vector<ParticleMode>& modes, const Explanation&
   if (modes.front().share < config.least_mode_share) return "there is more than one mode";
   const Vector3d deviation = modes.front().covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   if ((deviation.array() > limit.array()).any()) return "the particles are still spread";
-  if (explanation.landmarks < config.least_landmarks) return "too few landmarks are in view";
-  if (explanation.explained < config.least_explained * explanation.observations) {
+  if (explanation.landmarks() < config.least_landmarks) return "too few landmarks are in view";
+  const auto missed = static_cast<double>(explanation.missed.size());
+  if (missed > config.most_missed * (missed + explanation.landmarks())) {
+    return "landmarks that should be in view are not seen";
+  }
+  return {};
+}
+
+std::string findDoubt(const HeldEvidence& evidence, const ConvergenceConfig& config) {
+  if (evidence.scans() < config.hold_scans || evidence.way_m() < config.hold_way_m) {
+    return "it has not held for long enough";
+  }
+  if (evidence.explainedShare() < config.least_explained) {
     return "the map does not explain what is seen";
   }
-  if (explanation.missed > config.most_missed * explanation.expected) {
-    return "landmarks that should be in view are not seen";
+  if (evidence.present() < config.least_landmarks) return "too few landmarks are seen again";
+  if (evidence.absent() > config.most_absent * evidence.present()) {
+    return "landmarks that should be in view are never seen";
   }
   return {};
 }

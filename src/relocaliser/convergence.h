@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,11 @@ struct ConvergenceConfig {
   double least_mode_share = 0.999;  ///< of the weight
   double least_explained = 0.6;     ///< share of the observations, over the scans held
   double most_missed = 0.5;         ///< share of the landmarks that should have been seen
+  double most_absent = 0.2;         ///< landmarks that are never seen, for each that mostly is
   int least_landmarks = 3;          ///< that explain observations
   double gate_probability = 0.99;   ///< of an observation and the landmark that explains it
-  int hold_scans = 3;               ///< in a row for which all this holds
-  double hold_way_m = 1.0;          ///< driven meanwhile
+  int hold_scans = 5;               ///< in a row for which all this holds
+  double hold_way_m = 4.0;          ///< driven meanwhile
   double rival_margin = 12.0;       ///< log likelihood by which every other place has to be worse
 
   void describe(ConfigSchema& schema);
@@ -31,11 +33,39 @@ struct ConvergenceConfig {
 /// How well one pose explains one scan.
 struct Explanation {
   int observations = 0;
-  int explained = 0;  ///< observations near enough to a landmark
-  int landmarks = 0;  ///< different ones that explain
-  int expected = 0;   ///< landmarks well within range and field of view
-  int missed = 0;     ///< of those, that no observation is near to
+  int explained = 0;        ///< observations near enough to a landmark
+  std::vector<int> seen;    ///< ids of the landmarks that explain
+  std::vector<int> missed;  ///< of those well within range and field of view that do not
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of the pose, by what is explained
+
+  int landmarks() const { return static_cast<int>(seen.size()); }
+};
+
+/// What speaks for one mode, scan by scan, for as long as nothing speaks against it.
+class HeldEvidence {
+ public:
+  void clear();
+  void add(const Explanation& explanation, double way_m);
+  int scans() const { return scans_; }
+  double way_m() const { return way_m_; }
+  double explainedShare() const;
+  /// Landmarks that were seen in most of the scans that should show them.
+  int present() const;
+  /// Landmarks that several scans should have shown, and none did. By chance one is missed in a
+  /// scan; where the same ones are missed again and again, this is another place.
+  int absent() const;
+
+ private:
+  struct Tally {
+    int seen = 0;
+    int missed = 0;
+  };
+
+  int scans_ = 0;
+  double way_m_ = 0.0;
+  int observations_ = 0;
+  int explained_ = 0;
+  std::map<int, Tally> landmarks_;
 };
 
 /// What the sensor can see, as seen from it.
@@ -58,8 +88,11 @@ Eigen::Vector3d convergedDeviations(const Pose2& T_local_base,
                                     const Eigen::Matrix3d& information,
                                     const ConvergenceConfig& config);
 
-/// Why a mode is not to be believed yet; empty if it is.
+/// Why a mode does not explain this scan; empty if it does.
 std::string findDoubt(const std::vector<ParticleMode>& modes, const Explanation& explanation,
                       const Eigen::Vector3d& limit, const ConvergenceConfig& config);
+
+/// Why what was held is not enough yet; empty if it is.
+std::string findDoubt(const HeldEvidence& evidence, const ConvergenceConfig& config);
 
 }  // namespace hymm::core

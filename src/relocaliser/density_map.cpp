@@ -19,7 +19,7 @@ constexpr double kReach = 4.0;
 constexpr double kClassRatio = 1.3;
 
 // A cell is this share of the smallest deviation, so that the nearest one will do: its rounding
-// adds 1 % to the variance.
+// adds 2 % to the variance.
 constexpr double kCellShare = 0.5;
 constexpr double kMaxCells = 2.0e6;
 
@@ -105,12 +105,7 @@ DensityMap::DensityMap(const std::vector<LocalLandmark>& landmarks,
       addLandmark(landmark, point.deviation_m * point.deviation_m, 1.0 / clutter_per_m2, table,
                   touched);
     }
-    for (float& value : table) {
-      if (value != 1.0F)
-        value = std::log(value);
-      else
-        value = 0.0F;
-    }
+    for (const std::size_t cell : touched) table[cell] = std::log1p(table[cell]);
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
     lookups_.push_back({points[i].p_base_point.x(), points[i].p_base_point.y(),

@@ -51,7 +51,7 @@ void Relocaliser::beginGlobally(LocalMap map, double time_s) {
   begun_ = true;
   started_ = false;
   time_s_.reset();
-  held_scans_ = 0;
+  held_.clear();
   ++counts_.begun;
 }
 
@@ -79,7 +79,6 @@ std::optional<RelocaliserOutcome> Relocaliser::process(const ObservationSet& set
   if (prior_) prior_ = moved(*prior_, motion_);
   recent_.move(motion_.T_begin_end(), motion_.covariance());
   recent_.add(points);
-  held_way_m_ += motion_.T_begin_end().position().norm();
   bool resampled = false;
   if (started_) {
     filter_.move(motion_.step(), generator_);
@@ -144,17 +143,17 @@ RelocaliserOutcome Relocaliser::judge(const std::vector<ObservedPoint>& points,
                                 outcome.explanation.information, config_.convergence);
   }
   outcome.doubt = findDoubt(outcome.modes, outcome.explanation, limit, config_.convergence);
-  if (!outcome.doubt.empty()) {
-    held_scans_ = 0;
-    held_way_m_ = 0.0;
-  } else if (++held_scans_ < config_.convergence.hold_scans ||
-             held_way_m_ < config_.convergence.hold_way_m) {
-    outcome.doubt = "it has not held for long enough";
-  } else if (hasRival(outcome.modes.front().mean)) {
-    ++counts_.rivals;
-    outcome.doubt = "another place explains the last scans nearly as well";
+  if (outcome.doubt.empty()) {
+    held_.add(outcome.explanation, motion_.T_begin_end().position().norm());
+    outcome.doubt = findDoubt(held_, config_.convergence);
+    if (outcome.doubt.empty() && hasRival(outcome.modes.front().mean)) {
+      ++counts_.rivals;
+      outcome.doubt = "another place explains the last scans nearly as well";
+    }
+  } else {
+    held_.clear();
   }
-  outcome.held_scans = held_scans_;
+  outcome.held_scans = held_.scans();
   outcome.converged = outcome.doubt.empty();
   return outcome;
 }

@@ -84,8 +84,7 @@ class Relocaliser {
   bool begun_ = false;
   bool started_ = false;  ///< particles are there
   std::optional<double> time_s_;
-  int held_scans_ = 0;
-  double held_way_m_ = 0.0;
+  HeldEvidence held_;
   Counts counts_;
 };
 

@@ -31,6 +31,7 @@ const std::vector<WorldKind>& worldCatalog() {
       {"park", "scattered trees, bushes, shelters and people around a winding track", makePark},
       {"car_park", "parked and moving cars, poles, reflectors, people and walls", makeCarPark},
       {"plain", "one trunk per 100 m^2, covered by parallel tracks", makePlain},
+      {"loop", "a long way round that comes back to an avenue of look-alike trees", makeLoop},
   };
   return kinds;
 }

@@ -37,4 +37,7 @@ World makeCarPark(const WorldConfig& config, const VehicleConfig& vehicle,
 World makePlain(const WorldConfig& config, const VehicleConfig& vehicle,
                 RandomGenerator& generator);
 
+/// A long way round that comes back to an avenue of look-alike trees.
+World makeLoop(const WorldConfig& config, const VehicleConfig& vehicle, RandomGenerator& generator);
+
 }  // namespace hymm::core
