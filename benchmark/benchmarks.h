@@ -30,4 +30,10 @@ void registerLevelSetBenchmarks(Registration& registration);
 /// BM_DoorPlannerQuery, BM_DoorPlannerChange, BM_GridAStarQuery.
 void registerDoorPlannerBenchmarks(Registration& registration);
 
+/// BM_MapCorrection, BM_Rerasterise.
+void registerMapCorrectionBenchmarks(Registration& registration);
+
+/// BM_RayInsertionLtr, BM_RayInsertionOctoMap, BM_RayInsertionFlatGrid.
+void registerRayInsertionBenchmarks(Registration& registration);
+
 }  // namespace hymm::benchmarks

@@ -99,6 +99,8 @@ int run(int argc, char** argv) {
   registerLevelSetBenchmarks(registration);
   registerDoorPlannerBenchmarks(registration);
   registerParticleBenchmarks(registration);
+  registerMapCorrectionBenchmarks(registration);
+  registerRayInsertionBenchmarks(registration);
   if (registration.names().empty()) {
     std::fprintf(stderr, "No benchmark is called '%s'; --benchmark_list_tests names all.\n",
                  options.filter.c_str());

@@ -48,7 +48,7 @@ class LtrIndex {
       if (cell == content_.end()) return;
       for (const int ltr : cell->second) visitor(ltr);
     };
-    traverseCells(from * cells_per_m_, to * cells_per_m_, visitCell, visitCell);
+    traverseCells(from * cells_per_m_, to * cells_per_m_, visitCell);
   }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <vector>
 
 #include "hybrid_map/beam_cutter.h"
 #include "hybrid_map/hybrid_map_config.h"
@@ -11,7 +12,8 @@
 namespace hymm::core {
 
 /// Writes the beams of scans into the occupancy layer (1), exactly: each beam is cut at the sides
-/// that it crosses, and each piece passes the cells of its LTR one by one.
+/// that it crosses, and each piece passes the cells of its LTR one by one. A cell in which a beam
+/// ends is not freed by other beams of the same scan that graze it.
 class ScanWriter {
  public:
   /// The partition outlives the object.
@@ -21,21 +23,35 @@ class ScanWriter {
   std::size_t write(const LaserScan& scan, const Pose2& T_map_laser, LayerWriter& writer);
 
  private:
-  void writeBeam(const Eigen::Vector2d& start, const Eigen::Vector2d& end, bool hits,
-                 LayerWriter& writer);
-  void writePiece(const BeamPiece& piece, const Eigen::Vector2d& start, const Eigen::Vector2d& end,
-                  bool hits, LayerWriter& writer);
   /// Log-odds that a cell gains (1), within bounds.
   struct Increments {
     float hit, miss, least, most;
-    void free(float& log_odds) const { log_odds = std::max(log_odds + miss, least); }
-    void occupy(float& log_odds) const { log_odds = std::min(log_odds + hit, most); }
+    float freed(float log_odds) const { return std::max(log_odds + miss, least); }
+    float occupied(float log_odds) const { return std::min(log_odds + hit, most); }
   };
+  /// A piece of a beam, its ends in map.
+  struct Piece {
+    int ltr;
+    Eigen::Vector2d from, to;
+  };
+  /// A cell in which a beam ends, and what it held before the scan.
+  struct Hit {
+    float* cell;
+    float before;
+  };
+
+  void cutBeam(const Eigen::Vector2d& start, const Eigen::Vector2d& end);
+  void addHit(const Piece& last, LayerWriter& writer);
+  void freeAlong(const Piece& piece, LayerWriter& writer);
+  void freeAlongWaiting(const Piece& piece, WaitingTiles& waiting, std::uint64_t revision);
+  void occupyHits();
 
   OccupancyConfig config_;
   LtrPartition& partition_;
   BeamCutter cutter_;
   Increments increments_;
+  std::vector<Piece> pieces_;  ///< of the scan
+  std::vector<Hit> hits_;
 };
 
 }  // namespace hymm::core

@@ -129,7 +129,7 @@ RC_GTEST_PROP(CellTraversal, PassesEveryCellThatALineTouches, ()) {
   const Eigen::Vector2d from = point(), to = point();
   std::vector<std::pair<int, int>> cells;
   const auto visit = [&](int i, int j) { cells.emplace_back(i, j); };
-  traverseCells(from, to, visit, visit);
+  traverseCells(from, to, visit);
   const auto cellOf = [](const Eigen::Vector2d& p) {
     return std::pair<int, int>(std::floor(p.x()), std::floor(p.y()));
   };

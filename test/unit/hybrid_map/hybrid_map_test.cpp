@@ -74,6 +74,27 @@ TEST(HybridMap, WritesFreeSpaceAlongABeamAndAnObstacleAtItsEnd) {
   EXPECT_EQ(map.query("occupancy", {0.0, 3.0}).status, Status::kUnknown);
 }
 
+TEST(HybridMap, AnObstacleIsNotFreedByBeamsOfTheSameScanThatGrazeIt) {
+  // A wall at y = 2.1, looked along from a place beside it: beams pass cells in which others end.
+  HybridMap map = mapOver(squareMap());
+  PosedScan posed = beam({-8.0, 1.5, 0.0}, 1.0);
+  posed.scan.angle_min_rad = 0.04;
+  posed.scan.angle_increment_rad = 0.002;
+  posed.scan.ranges_m.clear();
+  for (int i = 0; i < 60; ++i) {
+    posed.scan.ranges_m.push_back(
+        static_cast<float>(0.6 / std::sin(posed.scan.bearing(std::size_t(i)))));
+  }
+  ASSERT_TRUE(map.insert(posed).accepted);
+  for (std::size_t i = 0; i < posed.scan.ranges_m.size(); ++i) {
+    const double bearing = posed.scan.bearing(i);
+    const Eigen::Vector2d end =
+        Eigen::Vector2d(-8.0, 1.5) +
+        double{posed.scan.ranges_m[i]} * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
+    EXPECT_GE(probabilityAt(map, end), 0.7 - 1e-6) << end.transpose();
+  }
+}
+
 TEST(HybridMap, LearnsByEquationOneUpToItsBound) {
   HybridMap map = mapOver(squareMap());
   const Eigen::Vector2d wall(4.1, 0.05);
