@@ -133,7 +133,8 @@ void SupervisorNode::decide(const ros::Time& stamp) {
   if (pose_wall_s_) evidence_.pose_age_s = steadyNow() - *pose_wall_s_;
   evidence_.odometry_problem = map_odom_.problem();
   evidence_.odometry_known = evidence_.odometry_problem.empty();
-  const core::SupervisorDecision next = core::computeDecision(decision_.mode, evidence_, config_);
+  const core::SupervisorDecision next = core::computeDecision(decision_.state, evidence_, config_);
+  evidence_.new_scan = false;
   const bool tell = !status_sent_ || next.mode != decision_.mode ||
                     next.silent != decision_.silent ||
                     next.without_odometry != decision_.without_odometry;
@@ -162,6 +163,7 @@ void SupervisorNode::beginRecording() {
   ROS_WARN("The poses' time stamps ran back: another recording begins.");
   tf_.clear();
   map_odom_.reset();
+  decision_.state = {decision_.mode};
   beginMap();
 }
 

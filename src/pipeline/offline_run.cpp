@@ -61,7 +61,7 @@ void OfflineRun::processReleased(const SensorEvent& event) {
 void OfflineRun::finishScan(const SensorEvent& event, const ScanOutcome& outcome) {
   if (log_ != nullptr) log_->add(outcome);
   supervise(outcome);
-  results_.addScan({outcome.pose, outcome.health, nameOf(mode_)});
+  results_.addScan({outcome.pose, outcome.health, nameOf(supervisor_.mode)});
   if (!stages_.empty()) serveStages(event, outcome);
 }
 
@@ -85,11 +85,11 @@ void OfflineRun::writeFiles(const std::string& folder) {
 
 void OfflineRun::supervise(const ScanOutcome& outcome) {
   const SupervisorDecision decision =
-      computeDecision(mode_, evidenceAtScan(outcome.health), config_.supervisor);
-  if (isModeSwitch(mode_, decision.mode)) {
+      computeDecision(supervisor_, evidenceAtScan(outcome.health), config_.supervisor);
+  if (isModeSwitch(supervisor_.mode, decision.mode)) {
     results_.addModeSwitch(outcome.pose.time_s, nameOf(decision.mode), decision.reason);
   }
-  mode_ = decision.mode;
+  supervisor_ = decision.state;
 }
 
 std::map<std::string, std::size_t> OfflineRun::incidents() const {

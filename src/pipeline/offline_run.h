@@ -67,7 +67,7 @@ class OfflineRun {
   CekfSlam filter_;
   MapSchedule map_schedule_;
   std::vector<std::unique_ptr<SuiteStage>> stages_;
-  FilterMode mode_ = FilterMode::kInitialising;
+  SupervisorState supervisor_;
   std::size_t map_corrections_ = 0;  ///< up to the last scan
   std::size_t scans_in_ = 0;
   std::map<std::string, std::size_t> incidents_;

@@ -3,9 +3,144 @@
 namespace hymm::core {
 namespace {
 
-FilterMode computeMode(FilterMode mode, const SupervisorEvidence& evidence) {
-  const bool has_pose = evidence.pose_age_s.has_value();
-  return mode == FilterMode::kInitialising && has_pose ? FilterMode::kCekf : mode;
+/// A change of mode, or none.
+struct Transition {
+  FilterMode mode;
+  SupervisorAction action = SupervisorAction::kNone;
+  std::string why;  ///< a sentence
+};
+
+Transition stay(FilterMode mode, const std::string& why = {}) {
+  return {mode, SupervisorAction::kNone, why};
+}
+
+Transition attempt(const std::string& why) {
+  return {FilterMode::kRelocalising, SupervisorAction::kBeginRelocalising, why};
+}
+
+Transition goOnWithoutClosing(const std::string& why) {
+  return {FilterMode::kCekf, SupervisorAction::kResumeWithoutClosing,
+          why + " The CEKF goes on from where it was in good order, without closing the loop."};
+}
+
+bool hears(const std::optional<RelocaliserEvidence>& relocaliser, const SupervisorConfig& config) {
+  return relocaliser && relocaliser->age_s <= config.pose_timeout_s;
+}
+
+Transition fromCekf(const SupervisorState& state, const SupervisorEvidence& evidence,
+                    const SupervisorConfig& config) {
+  const std::string suspicion = findSuspicion(evidence.scan, config.suspicion);
+  const int needed = isArmed(evidence.scan, config.suspicion)
+                         ? config.switching.armed_suspicious_scans
+                         : config.switching.suspicious_scans;
+  if (suspicion.empty() || state.suspicious_scans < needed) return stay(FilterMode::kCekf);
+  const std::string told =
+      "For " + std::to_string(state.suspicious_scans) + " scans in a row " + suspicion + ".";
+  if (!evidence.relocaliser) {
+    return stay(FilterMode::kCekf, "The CEKF is in charge, though suspicious. " + told +
+                                       " No relocaliser runs that could find the place.");
+  }
+  if (evidence.time_s < state.not_before_s) {
+    return stay(FilterMode::kCekf,
+                "The CEKF is in charge, though suspicious. " + told +
+                    " The relocaliser was asked lately; it is asked again soon.");
+  }
+  return attempt(told + " The relocaliser looks for the place.");
+}
+
+Transition fromRelocalising(const SupervisorState& state, const SupervisorEvidence& evidence,
+                            const SupervisorConfig& config) {
+  if (evidence.resume == ResumeOutcome::kAccepted) {
+    return stay(FilterMode::kCekf, "The relocaliser found the place, and the CEKF took it over.");
+  }
+  if (evidence.resume == ResumeOutcome::kRefused) {
+    return stay(FilterMode::kLost,
+                "The CEKF refused the place that the relocaliser found: it does not fit its map.");
+  }
+  const double lasting_s = evidence.time_s - state.since_s;
+  if (!hears(evidence.relocaliser, config) && lasting_s > config.pose_timeout_s) {
+    return goOnWithoutClosing("The relocaliser fell silent while it was in charge.");
+  }
+  if (evidence.relocaliser && evidence.relocaliser->converged) {
+    return {FilterMode::kRelocalising, SupervisorAction::kResumeClosing,
+            "The relocaliser found the place; the CEKF is asked to take it over."};
+  }
+  if (lasting_s > config.switching.relocalise_timeout_s) {
+    return stay(FilterMode::kLost,
+                "The relocaliser found no place in time" +
+                    (evidence.relocaliser ? ": " + evidence.relocaliser->doubt : "") + ".");
+  }
+  return stay(FilterMode::kRelocalising,
+              "The relocaliser is in charge" +
+                  (evidence.relocaliser ? ": " + evidence.relocaliser->doubt : "") + ".");
+}
+
+Transition fromLost(const SupervisorState& state, const SupervisorEvidence& evidence,
+                    const SupervisorConfig& config) {
+  if (!hears(evidence.relocaliser, config)) {
+    return goOnWithoutClosing("The vehicle is lost, and no relocaliser runs.");
+  }
+  if (state.attempts >= config.switching.max_attempts) {
+    return goOnWithoutClosing("The relocaliser found no place in " +
+                              std::to_string(state.attempts) + " attempts.");
+  }
+  if (evidence.time_s < state.not_before_s) {
+    return stay(FilterMode::kLost, "The vehicle is lost; the relocaliser tries again soon.");
+  }
+  return attempt("The vehicle is lost; the relocaliser tries again.");
+}
+
+Transition computeTransition(const SupervisorState& state, const SupervisorEvidence& evidence,
+                             const SupervisorConfig& config) {
+  if (state.mode == FilterMode::kInitialising) {
+    return stay(evidence.pose_age_s ? FilterMode::kCekf : FilterMode::kInitialising);
+  }
+  if (evidence.requested == FilterMode::kCekf && state.mode != FilterMode::kCekf) {
+    return goOnWithoutClosing("An operator asked for the CEKF.");
+  }
+  if (evidence.requested == FilterMode::kRelocalising && evidence.relocaliser &&
+      state.mode != FilterMode::kRelocalising) {
+    return attempt("An operator asked for the relocaliser.");
+  }
+  switch (state.mode) {
+    case FilterMode::kCekf:
+      return fromCekf(state, evidence, config);
+    case FilterMode::kRelocalising:
+      return fromRelocalising(state, evidence, config);
+    case FilterMode::kLost:
+      return fromLost(state, evidence, config);
+    case FilterMode::kInitialising:
+      break;
+  }
+  return stay(state.mode);
+}
+
+/// The state with the scan counted.
+SupervisorState counted(const SupervisorState& state, const SupervisorEvidence& evidence,
+                        const SupervisorConfig& config) {
+  SupervisorState result = state;
+  if (state.mode != FilterMode::kCekf) {
+    result.suspicious_scans = 0;
+  } else if (evidence.new_scan) {
+    const bool suspicious = !findSuspicion(evidence.scan, config.suspicion).empty();
+    result.suspicious_scans = suspicious ? state.suspicious_scans + 1 : 0;
+  }
+  return result;
+}
+
+SupervisorState follow(SupervisorState state, const Transition& transition, double time_s,
+                       const SwitchingConfig& config) {
+  if (transition.mode == state.mode) return state;
+  if (transition.action == SupervisorAction::kBeginRelocalising) ++state.attempts;
+  if (transition.mode == FilterMode::kLost) state.not_before_s = time_s + config.retry_interval_s;
+  if (transition.mode == FilterMode::kCekf) {
+    state.attempts = 0;
+    state.not_before_s = time_s + config.rest_s;
+  }
+  state.mode = transition.mode;
+  state.since_s = time_s;
+  state.suspicious_scans = 0;
+  return state;
 }
 
 std::string computeReason(const SupervisorDecision& decision, const SupervisorEvidence& evidence) {
@@ -13,6 +148,7 @@ std::string computeReason(const SupervisorDecision& decision, const SupervisorEv
     return "No filter has given a pose yet. The first comes with the first scan: do 'scan' (or "
            "'detections') and the motion input arrive at cekf_slam?";
   }
+  if (decision.mode != FilterMode::kCekf) return {};
   if (decision.silent) {
     return "The CEKF is in charge, but has given no pose for a while: its inputs have stopped, or "
            "it is paused. See /diagnostics of cekf_slam.";
@@ -21,6 +157,24 @@ std::string computeReason(const SupervisorDecision& decision, const SupervisorEv
     return "The CEKF is in charge, but map -> odom cannot follow it: " + evidence.odometry_problem;
   }
   return "The CEKF is in charge.";
+}
+
+std::vector<EvidenceFigure> figuresOf(const SupervisorEvidence& evidence,
+                                      const SupervisorConfig& config) {
+  if (!evidence.pose_age_s) return {};
+  const ScanEvidence& scan = evidence.scan;
+  const SuspicionConfig& limits = config.suspicion;
+  const double nis_per_dof = scan.dof > 0 ? scan.nis / scan.dof : 0.0;
+  const auto nis_limit =
+      scan.dof > 0 ? std::optional<double>(nisLimit(scan.dof, limits)) : std::nullopt;
+  return {{"pose_age_s", *evidence.pose_age_s, config.pose_timeout_s},
+          {"nis_per_dof", nis_per_dof, nis_limit},
+          {"ambiguity", scan.ambiguity, limits.ambiguity},
+          {"unexplained", scan.unexplained, limits.unexplained},
+          {"missed", scan.missed, limits.missed},
+          {"disagreement", scan.disagreement, limits.disagreement},
+          {"position_deviation_m", scan.position_deviation_m, limits.armed_deviation_m},
+          {"heading_deviation_rad", scan.heading_deviation_rad, limits.armed_deviation_rad}};
 }
 
 }  // namespace
@@ -52,33 +206,54 @@ void SupervisorConfig::describe(ConfigSchema& schema) {
                 "highest rate of `trajectory`, by the wall");
   schema.integer("trajectory_max_poses", trajectory_max_poses, Range::between(10, 1000000),
                  "beyond that many, every other pose of `trajectory` is left out");
+  schema.group("suspicion", suspicion);
+  schema.group("switching", switching);
+}
+
+void SwitchingConfig::describe(ConfigSchema& schema) {
+  schema.integer("suspicious_scans", suspicious_scans, Range::between(1, 10000),
+                 "suspicious scans in a row after which the relocaliser takes over");
+  schema.integer("armed_suspicious_scans", armed_suspicious_scans, Range::between(1, 10000),
+                 "the same while the deviation is large");
+  schema.number("relocalise_timeout_s", relocalise_timeout_s, Range::positive(),
+                "longest attempt to relocalise");
+  schema.number("retry_interval_s", retry_interval_s, Range::notNegative(),
+                "time between two attempts");
+  schema.integer("max_attempts", max_attempts, Range::between(1, 1000),
+                 "attempts after which the CEKF goes on without closing the loop");
+  schema.number("rest_s", rest_s, Range::notNegative(),
+                "time after the CEKF took over again in which the relocaliser is not asked");
 }
 
 SupervisorEvidence evidenceAtScan(const FilterHealth& health) {
   SupervisorEvidence evidence;
   evidence.pose_age_s = 0.0;
-  evidence.nis = health.nis;
-  evidence.dof = health.dof;
-  evidence.ambiguity = health.ambiguity;
-  evidence.unexplained = health.unexplained;
-  evidence.missed = health.missed;
+  evidence.time_s = health.time_s;
+  evidence.new_scan = true;
+  evidence.scan = {health.nis,
+                   health.dof,
+                   health.ambiguity,
+                   health.unexplained,
+                   health.missed,
+                   0.0,
+                   0,
+                   health.position_deviation_m,
+                   health.heading_deviation_rad};
   return evidence;
 }
 
-SupervisorDecision computeDecision(FilterMode mode, const SupervisorEvidence& evidence,
+SupervisorDecision computeDecision(const SupervisorState& state, const SupervisorEvidence& evidence,
                                    const SupervisorConfig& config) {
+  const SupervisorState now = counted(state, evidence, config);
+  const Transition transition = computeTransition(now, evidence, config);
   SupervisorDecision decision;
-  decision.mode = computeMode(mode, evidence);
+  decision.state = follow(now, transition, evidence.time_s, config.switching);
+  decision.mode = transition.mode;
+  decision.action = transition.action;
   decision.silent = evidence.pose_age_s && *evidence.pose_age_s > config.pose_timeout_s;
   decision.without_odometry = evidence.pose_age_s && !evidence.odometry_known;
-  decision.reason = computeReason(decision, evidence);
-  if (evidence.pose_age_s) {
-    decision.figures = {{"pose_age_s", *evidence.pose_age_s, config.pose_timeout_s},
-                        {"nis_per_dof", evidence.dof > 0 ? evidence.nis / evidence.dof : 0.0, {}},
-                        {"ambiguity", evidence.ambiguity, {}},
-                        {"unexplained", evidence.unexplained, {}},
-                        {"missed", evidence.missed, {}}};
-  }
+  decision.reason = transition.why.empty() ? computeReason(decision, evidence) : transition.why;
+  decision.figures = figuresOf(evidence, config);
   return decision;
 }
 

@@ -6,6 +6,7 @@
 
 #include "cekf/cekf_slam.h"
 #include "common/config.h"
+#include "supervisor/suspicion.h"
 
 namespace hymm::core {
 
@@ -15,6 +16,18 @@ enum class FilterMode { kInitialising, kCekf, kRelocalising, kLost };
 /// As FilterStatus and health.csv spell it.
 std::string nameOf(FilterMode mode);
 
+/// How long doubt has to last, and how often the relocaliser is asked.
+struct SwitchingConfig {
+  int suspicious_scans = 10;           ///< in a row that switch
+  int armed_suspicious_scans = 3;      ///< the same while the deviation is large
+  double relocalise_timeout_s = 30.0;  ///< longest attempt
+  double retry_interval_s = 10.0;      ///< between attempts
+  int max_attempts = 3;                ///< then on with the CEKF, without closing the loop
+  double rest_s = 20.0;                ///< after the CEKF took over again
+
+  void describe(ConfigSchema& schema);
+};
+
 /// Parameters of the node `supervisor`, as config/supervisor.yaml documents them.
 struct SupervisorConfig {
   double tf_rate_hz = 30.0;            ///< of map -> odom
@@ -23,21 +36,34 @@ struct SupervisorConfig {
   double trajectory_spacing_m = 0.25;  ///< between poses of `trajectory`
   double trajectory_rate_hz = 1.0;     ///< highest rate of `trajectory`
   int trajectory_max_poses = 20000;    ///< beyond that every other pose goes
+  SuspicionConfig suspicion;
+  SwitchingConfig switching;
 
   void describe(ConfigSchema& schema);
 };
 
+/// What the relocaliser says.
+struct RelocaliserEvidence {
+  double age_s = 0.0;  ///< wall time since it last said something
+  bool converged = false;
+  std::string doubt;  ///< why it has not
+};
+
+/// What came of handing a pose back to the CEKF.
+enum class ResumeOutcome { kNone, kAccepted, kRefused };
+
 /// What the decision rests on, at one moment.
 struct SupervisorEvidence {
+  double time_s = 0.0;  ///< of the recording
   std::optional<double>
-      pose_age_s;    ///< wall time since the last pose of the CEKF; nothing: none yet
-  double nis = 0.0;  ///< of its last scan
-  int dof = 0;
-  double ambiguity = 0.0;  ///< shares of its last scan, see FilterHealth
-  double unexplained = 0.0;
-  double missed = 0.0;
-  bool odometry_known = true;    ///< whether tf tells odom -> base_link at the last pose
-  std::string odometry_problem;  ///< if not: what tf says
+      pose_age_s;         ///< wall time since the last pose of the CEKF; nothing: none yet
+  bool new_scan = false;  ///< whether `scan` has not been judged before
+  ScanEvidence scan;      ///< the CEKF's last
+  std::optional<RelocaliserEvidence> relocaliser;  ///< nothing: it does not run
+  ResumeOutcome resume = ResumeOutcome::kNone;
+  std::optional<FilterMode> requested;  ///< by an operator: kCekf or kRelocalising
+  bool odometry_known = true;           ///< whether tf tells odom -> base_link at the last pose
+  std::string odometry_problem;         ///< if not: what tf says
 };
 
 /// The evidence at the moment in which the CEKF has taken a scan.
@@ -50,17 +76,39 @@ struct EvidenceFigure {
   std::optional<double> limit;  ///< nothing: told only
 };
 
+/// What the supervisor remembers from one decision to the next.
+struct SupervisorState {
+  FilterMode mode = FilterMode::kInitialising;
+  double since_s = 0.0;       ///< when the mode began
+  int suspicious_scans = 0;   ///< in a row
+  int attempts = 0;           ///< to relocalise since the CEKF was last in good order
+  double not_before_s = 0.0;  ///< when the next attempt may begin
+};
+
+/// What has to be done now, once.
+enum class SupervisorAction {
+  kNone,
+  kBeginRelocalising,     ///< from the last scan in good order
+  kResumeClosing,         ///< hand the relocaliser's pose back to the CEKF
+  kResumeWithoutClosing,  ///< the CEKF goes on from where it was in good order
+};
+
 struct SupervisorDecision {
   FilterMode mode = FilterMode::kInitialising;
+  SupervisorState state;  ///< for the next decision; its mode is `mode`
+  SupervisorAction action = SupervisorAction::kNone;
   bool silent = false;            ///< the filter in charge gives no poses
   bool without_odometry = false;  ///< map -> odom cannot follow it
   std::string reason;
   std::vector<EvidenceFigure> figures;
 };
 
-/// Who is in charge next, given who is now. Pure: the same arguments, the same decision. With one
-/// filter to choose from, the health figures are told but decide nothing yet.
-SupervisorDecision computeDecision(FilterMode mode, const SupervisorEvidence& evidence,
+/// Who is in charge next, given who is now. Pure: the same arguments, the same decision. A CEKF
+/// that is suspicious for several scans in a row hands over to the relocaliser, if that runs; the
+/// relocaliser hands back when it has converged and the CEKF takes its pose. If it does not
+/// converge, or the CEKF refuses, the vehicle is LOST until the next attempt; after the last
+/// attempt, or if the relocaliser falls silent, the CEKF goes on without closing the loop.
+SupervisorDecision computeDecision(const SupervisorState& state, const SupervisorEvidence& evidence,
                                    const SupervisorConfig& config);
 
 /// Whether the mode was switched: that a run begins in its first mode is no switch.
