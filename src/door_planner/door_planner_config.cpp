@@ -77,6 +77,26 @@ void DoorPlannerConfig::describe(ConfigSchema& schema) {
                 "share by which a path along cells is longer than a straight one, at worst");
   schema.number("shape_tolerance", shape_tolerance, Range{0.0001, 0.2, false},
                 "share by which a length in an LTR may change before its costs are computed anew");
+  schema.number("tolerance_m", tolerance_m, Range{0.0, 100.0, false},
+                "by which start and goal are moved if they are occupied, where a request does not "
+                "say");
+  schema.number("time_limit_s", time_limit_s, Range::positive(),
+                "of a request, by the wall; offline there is none");
+  schema.text("goal", goal,
+              "'X Y' in map [m]: hymm_offline plans there from the last pose and writes plan.csv; "
+              "empty for none");
+  schema.integer("check_queries", check_queries, Range::between(0.0, 1e6),
+                 "random queries that hymm_offline plans at the end, checks against the dense map, "
+                 "and lists in plan_queries.csv");
+}
+
+std::optional<Eigen::Vector2d> DoorPlannerConfig::goalPlace() const {
+  std::istringstream words(goal);
+  Eigen::Vector2d place;
+  std::string rest;
+  if (!(words >> place.x() >> place.y()) || words >> rest || !place.allFinite())
+    return std::nullopt;
+  return place;
 }
 
 std::vector<std::string> DoorPlannerConfig::problems() const {
@@ -92,6 +112,9 @@ std::vector<std::string> DoorPlannerConfig::problems() const {
     problems.push_back(text.str());
   }
   cost.weights(problems);
+  if (!goal.empty() && !goalPlace()) {
+    problems.push_back("goal: '" + goal + "' is not two numbers, X and Y in map [m].");
+  }
   if (cost.distance == 0.0) {
     problems.emplace_back(
         "cost.distance: is 0, so that going round in circles on free ground would cost nothing; "

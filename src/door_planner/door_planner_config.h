@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "common/config.h"
 
@@ -52,8 +55,15 @@ struct DoorPlannerConfig {
   double portal_spacing_m = 4.0;
   double max_metric_error = 0.02;
   double shape_tolerance = 0.01;
+  double tolerance_m = 1.0;
+  double time_limit_s = 1.0;
+  std::string goal;
+  int check_queries = 0;
 
   void describe(ConfigSchema& schema);
+
+  /// `goal` in map [m]; nothing if it is empty or not two numbers.
+  std::optional<Eigen::Vector2d> goalPlace() const;
 
   /// Everything that makes the configuration unusable, one sentence each.
   std::vector<std::string> problems() const;

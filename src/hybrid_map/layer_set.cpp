@@ -34,7 +34,7 @@ std::vector<std::string> wordsOf(const std::string& text) {
 
 LayerSet::LayerSet(const std::string& description, int day_parts,
                    std::vector<std::string>& problems) {
-  add("occupancy", makeOccupancyModel());
+  add("occupancy", "occupancy", makeOccupancyModel());
   std::istringstream entries(description);
   for (std::string entry; std::getline(entries, entry, ';');) {
     std::vector<std::string> words = wordsOf(entry);
@@ -47,7 +47,11 @@ LayerSet::LayerSet(const std::string& description, int day_parts,
       problem = "there is another layer of this name";
     } else {
       const std::vector<std::string> rest(words.begin() + 2, words.end());
-      if (auto model = makeModel(words[1], rest, day_parts, problem)) add(name, std::move(model));
+      if (auto model = makeModel(words[1], rest, day_parts, problem)) {
+        std::string text = words[1];
+        for (const std::string& word : rest) text += ' ' + word;
+        add(name, text, std::move(model));
+      }
     }
     if (problem.empty()) continue;
     std::ostringstream sentence;
@@ -56,9 +60,10 @@ LayerSet::LayerSet(const std::string& description, int day_parts,
   }
 }
 
-void LayerSet::add(const std::string& name, std::unique_ptr<CellModel> model) {
+void LayerSet::add(const std::string& name, const std::string& model_text,
+                   std::unique_ptr<CellModel> model) {
   const int channels = model->channels();
-  layers_.push_back({name, std::move(model), channels});
+  layers_.push_back({name, model_text, std::move(model), channels});
 }
 
 int LayerSet::channelsTogether() const {

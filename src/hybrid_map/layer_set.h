@@ -21,6 +21,8 @@ class LayerSet {
   int count() const { return static_cast<int>(layers_.size()); }
   const std::string& name(int layer) const { return layers_[std::size_t(layer)].name; }
   const CellModel& model(int layer) const { return *layers_[std::size_t(layer)].model; }
+  /// The cell model and its words, as the description has them: "category grass asphalt".
+  const std::string& modelText(int layer) const { return layers_[std::size_t(layer)].model_text; }
   int channels(int layer) const { return layers_[std::size_t(layer)].channels; }
   /// Floats of a cell in all layers together.
   int channelsTogether() const;
@@ -31,10 +33,12 @@ class LayerSet {
  private:
   struct Layer {
     std::string name;
+    std::string model_text;
     std::unique_ptr<CellModel> model;
     int channels;
   };
-  void add(const std::string& name, std::unique_ptr<CellModel> model);
+  void add(const std::string& name, const std::string& model_text,
+           std::unique_ptr<CellModel> model);
 
   std::vector<Layer> layers_;
 };

@@ -21,6 +21,7 @@ void SuiteConfig::describe(ConfigSchema& schema) {
   schema.group("dead_reckoning", dead_reckoning);
   schema.group("hymm_grid", hymm_grid);
   schema.group("information_map", information_map);
+  schema.group("door_planner", door_planner);
   schema.group("supervisor", supervisor);
 }
 

@@ -6,6 +6,7 @@
 
 #include "cekf/cekf_slam_config.h"
 #include "common/config.h"
+#include "door_planner/door_planner_config.h"
 #include "information_map/information_map_config.h"
 #include "pipeline/hymm_grid_config.h"
 #include "supervisor/supervisor_decision.h"
@@ -22,6 +23,7 @@ struct SuiteConfig {
   DeadReckoningConfig dead_reckoning;
   HymmGridConfig hymm_grid;
   InformationMapConfig information_map;
+  DoorPlannerConfig door_planner;
   SupervisorConfig supervisor;
   bool vehicle_tells_laser = false;  ///< whether a file said where the laser stands
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/error.h"
+#include "pipeline/door_stage.h"
 #include "pipeline/grid_stage.h"
 #include "pipeline/information_stage.h"
 
@@ -26,12 +27,31 @@ const std::vector<StageKind>& stageKinds() {
        [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
          return std::make_unique<InformationStage>(config.information_map, config.vehicle);
        }},
+      {DoorStage::kName,
+       [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
+         return std::make_unique<DoorStage>(config.door_planner);
+       }},
   };
   return kinds;
 }
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+template <class Stage>
+Stage* findStage(const std::vector<std::unique_ptr<SuiteStage>>& stages) {
+  for (const auto& stage : stages) {
+    if (auto* found = dynamic_cast<Stage*>(stage.get())) return found;
+  }
+  return nullptr;
+}
+
+/// Stages that read what others make.
+void connect(const std::vector<std::unique_ptr<SuiteStage>>& stages) {
+  auto* doors = findStage<DoorStage>(stages);
+  const auto* grid = findStage<GridStage>(stages);
+  if (doors != nullptr && grid != nullptr) doors->readMapOf(grid->mapper());
 }
 
 }  // namespace
@@ -60,6 +80,10 @@ std::vector<std::string> chosenNodes(const std::vector<std::string>& only) {
   if (!contains(only, kFilter)) {
     problems.push_back(std::string("--only: all others need ") + kFilter + "; name it as well.");
   }
+  if (contains(only, DoorStage::kName) && !contains(only, GridStage::kName)) {
+    problems.push_back(std::string("--only: ") + DoorStage::kName + " needs " + GridStage::kName +
+                       "; name it as well.");
+  }
   if (!problems.empty()) throw ConfigError(problems);
   return only;
 }
@@ -70,6 +94,7 @@ std::vector<std::unique_ptr<SuiteStage>> makeStages(const std::vector<std::strin
   for (const StageKind& kind : stageKinds()) {
     if (contains(nodes, kind.name)) stages.push_back(kind.make(config));
   }
+  connect(stages);
   return stages;
 }
 

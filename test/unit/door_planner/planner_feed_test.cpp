@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/planner_meshes.h"
+#include "support/shipped_config.h"
 
 namespace hymm::core {
 namespace {
@@ -115,6 +116,19 @@ TEST(PlannerFeed, LeavesOutLtrsWhoseLandmarksAreNotKnown) {
   told.tellTopology();
   told.tellLayers();
   EXPECT_EQ(told.plan(Vector2d::Zero()).status, PlanStatus::kNoMap);
+}
+
+TEST(DoorPlannerConfig, IsDocumentedByItsShippedFile) {
+  test::expectDocumentedByShippedFile("door_planner", DoorPlannerConfig());
+}
+
+TEST(DoorPlannerConfig, RefusesAGoalThatIsNoPlace) {
+  DoorPlannerConfig config;
+  config.goal = "12 here";
+  EXPECT_EQ(config.problems().size(), 1U);
+  config.goal = "12 -3.5";
+  EXPECT_TRUE(config.problems().empty());
+  EXPECT_EQ(config.goalPlace(), Vector2d(12.0, -3.5));
 }
 
 TEST(PlannerFeed, CountsContentsOfAnotherGrid) {

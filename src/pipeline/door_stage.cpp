@@ -1,0 +1,164 @@
+#include "pipeline/door_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/cpu_timer.h"
+#include "common/error.h"
+#include "common/random.h"
+#include "common/unfinished_file.h"
+#include "pipeline/csv_line.h"
+
+namespace hymm::core {
+namespace {
+
+std::vector<LandmarkEstimate> verticesOf(const LtrMesh& mesh) {
+  std::vector<LandmarkEstimate> vertices;
+  for (const int id : mesh.vertexLandmarks()) {
+    LandmarkEstimate vertex;
+    vertex.id = id;
+    vertex.position = mesh.vertex(mesh.findVertex(id)).position;
+    vertices.push_back(vertex);
+  }
+  return vertices;
+}
+
+}  // namespace
+
+void feedFrom(const GridMapper& mapper, PlannerFeed& feed) {
+  const HybridMap& map = mapper.map();
+  const std::vector<LtrTopology> topology = mapper.topology();
+  feed.setTopology(topology);
+  feed.setLandmarks(verticesOf(map.partition().mesh()));
+  for (const LtrTopology& ltr : topology) {
+    const LtrCells* cells = map.cells(ltr.id);
+    for (int layer = 0; layer < map.layers().count(); ++layer) {
+      if (cells->store.isEmpty(layer)) continue;
+      feed.setLayer(ltr.id, map.layers().name(layer), map.layers().modelText(layer),
+                    map.layers().channels(layer), cells->store.content(layer));
+    }
+  }
+}
+
+std::string planText(const Plan& plan) {
+  std::string text = "x,y,ltr,landmark_1,landmark_2,landmark_3,weight_1,weight_2,weight_3\n";
+  for (std::size_t i = 0; i < plan.points.size(); ++i) {
+    const PlanPoint& point = plan.points[i];
+    text += csvLine(',', plan.path[i].x(), plan.path[i].y(), point.ltr, point.landmark_ids[0],
+                    point.landmark_ids[1], point.landmark_ids[2], point.weights[0],
+                    point.weights[1], point.weights[2]) +
+            "\n";
+  }
+  return text;
+}
+
+std::string doorsText(const DoorGraph& graph) {
+  std::string text = "x,y,door,landmark_1,landmark_2\n";
+  for (int portal = 0; portal < graph.portalCount(); ++portal) {
+    const GraphSide& side = graph.side(graph.sideOf(portal));
+    const GraphLtr& ltr = graph.ltr(side.ltrs[0]);
+    for (int k = 0; k < 3; ++k) {
+      if (ltr.sides[std::size_t(k)] != graph.sideOf(portal)) continue;
+      const SideKey key = sideKeyOf(ltr.view, k);
+      text += csvLine(',', graph.placeOf(portal).x(), graph.placeOf(portal).y(),
+                      std::size_t(graph.doorOf(portal)), key.first, key.second) +
+              "\n";
+    }
+  }
+  return text;
+}
+
+DoorStage::DoorStage(const DoorPlannerConfig& config) : config_(config) {
+  const std::vector<std::string> problems = config.problems();
+  if (!problems.empty()) throw ConfigError(problems);
+}
+
+void DoorStage::takeScan(const ScanStep& step, CekfSlam&) {
+  T_map_base_ = step.outcome.pose.T_map_base;
+  outcome_.reset();
+}
+
+void DoorStage::reset(double) { T_map_base_.reset(); }
+
+bool DoorStage::hasWork() const {
+  return mapper_ != nullptr && T_map_base_ && (config_.goalPlace() || config_.check_queries > 0);
+}
+
+const DoorStage::Outcome& DoorStage::outcome() const {
+  if (outcome_) return *outcome_;
+  outcome_.emplace();
+  if (!hasWork()) return *outcome_;
+  const CpuTimer timer(cpu_s_);
+  PlannerFeed feed;
+  DoorPlanner planner(config_);
+  feedFrom(*mapper_, feed);
+  feed.tell(planner);
+  planner.prepare(T_map_base_->position());
+  outcome_->doors = doorsText(*planner.graph());
+  if (const std::optional<Eigen::Vector2d> goal = config_.goalPlace()) {
+    PlanRequest request;
+    request.start = T_map_base_->position();
+    request.goal = *goal;
+    request.tolerance_m = config_.tolerance_m;
+    outcome_->plan = planner.plan(request);
+  }
+  if (config_.check_queries > 0) outcome_->queries = checkQueries(planner);
+  return *outcome_;
+}
+
+/// Plans between random places in the map, and asks the dense map itself along the paths.
+std::string DoorStage::checkQueries(const DoorPlanner& planner) const {
+  constexpr double kEvery_m = 0.01;
+  const std::shared_ptr<const DoorGraph> graph = planner.graph();
+  RandomGenerator generator(1);
+  const auto placeInside = [&] {
+    const auto number = static_cast<std::size_t>(
+        sampleUniform(generator, 0.0, static_cast<double>(graph->ltrs().size())));
+    Triangle::Local local(sampleUniform(generator, 0.0, 1.0), sampleUniform(generator, 0.0, 1.0));
+    if (local.sum() > 1.0) local = Triangle::Local::Ones() - local;
+    return graph->ltrs()[number].triangle.toGlobal(local);
+  };
+  const auto isOccupied = [&](const Eigen::Vector2d& place) {
+    const LayerQuery query = mapper_->map().query("occupancy", place);
+    return query.value && query.value->value >= config_.cost.occupied_probability;
+  };
+  std::string text = "start_x,start_y,goal_x,goal_y,status,cost,length_m,milliseconds,occupied_m\n";
+  for (int i = 0; i < config_.check_queries && !graph->ltrs().empty(); ++i) {
+    PlanRequest request;
+    request.start = placeInside();
+    request.goal = placeInside();
+    const double before_s = threadCpuTime_s();
+    const Plan plan = planner.plan(request);
+    const double milliseconds = 1e3 * (threadCpuTime_s() - before_s);
+    double occupied_m = 0.0;
+    for (std::size_t k = 1; k < plan.path.size(); ++k) {
+      const Eigen::Vector2d along = plan.path[k] - plan.path[k - 1];
+      const int parts = std::max(1, static_cast<int>(std::ceil(along.norm() / kEvery_m)));
+      for (int part = 0; part < parts; ++part) {
+        if (isOccupied(plan.path[k - 1] + along * (part + 0.5) / parts)) occupied_m += kEvery_m;
+      }
+    }
+    text += csvLine(',', request.start.x(), request.start.y(), request.goal.x(), request.goal.y(),
+                    nameOf(plan.status), plan.cost, plan.length_m, milliseconds, occupied_m) +
+            "\n";
+  }
+  return text;
+}
+
+void DoorStage::addTo(RunTotals& totals) const { totals.subsystem_cpu_s[kName] = cpu_s_; }
+
+std::map<std::string, std::size_t> DoorStage::incidents() const {
+  if (!config_.goalPlace() || outcome().plan.ok()) return {};
+  const Plan& plan = outcome().plan;
+  return {
+      {"goals that were not planned to (" + nameOf(plan.status) + ": " + plan.sentence + ")", 1}};
+}
+
+void DoorStage::write(const std::filesystem::path& folder) {
+  if (!hasWork()) return;
+  replaceFile(folder / "doors.csv", outcome().doors);
+  if (config_.goalPlace()) replaceFile(folder / "plan.csv", planText(outcome().plan));
+  if (config_.check_queries > 0) replaceFile(folder / "plan_queries.csv", outcome().queries);
+}
+
+}  // namespace hymm::core
