@@ -216,6 +216,21 @@ double DoorGraph::integrate(int start_ltr, const Eigen::Vector2d& from, const Ei
   return kNoPassing;
 }
 
+double DoorGraph::integrateFromAny(int start_ltr, const Eigen::Vector2d& from,
+                                   const Eigen::Vector2d& to, bool weighted) const {
+  const double sum = integrate(start_ltr, from, to, weighted);
+  const std::int64_t bucket = sum == kNoPassing ? bucketOf(from) : -1;
+  if (bucket < 0) return sum;
+  for (int i = bucket_starts_[std::size_t(bucket)]; i < bucket_starts_[std::size_t(bucket) + 1];
+       ++i) {
+    const int other = bucket_ltrs_[std::size_t(i)];
+    if (other == start_ltr || !ltr(other).triangle.contains(from)) continue;
+    const double along = integrate(other, from, to, weighted);
+    if (along < kNoPassing) return along;
+  }
+  return sum;
+}
+
 std::size_t DoorGraph::bytes() const {
   std::size_t sum = sizeof(*this) + ltrs_.capacity() * sizeof(GraphLtr) +
                     sides_.capacity() * sizeof(GraphSide) +

@@ -99,6 +99,11 @@ class DoorGraph {
   double integrate(int start_ltr, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                    bool weighted = true) const;
 
+  /// The same where the line may start on a side, along which only one of the LTRs may be free:
+  /// `start_ltr` is tried first, then the others that contain the start.
+  double integrateFromAny(int start_ltr, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                          bool weighted = true) const;
+
   std::size_t bytes() const;
 
  private:

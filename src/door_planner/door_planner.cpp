@@ -161,6 +161,11 @@ class Query {
     plan.status = PlanStatus::kOk;
     plan.expanded_portals = route.expanded;
     plan.cost_with_uncertainty = PathShortening(graph_, request_.is_informed).shorten(path);
+    if (plan.cost_with_uncertainty == kNoPassing) {
+      return failed(request_.is_informed ? PlanStatus::kBelowInformation : PlanStatus::kNoPath,
+                    "The way along doors that was found is not free between them; ask again when "
+                    "the map has changed.");
+    }
     std::uint64_t last_door = 0;
     for (const int portal : route.portals) {
       const std::uint64_t door = graph_.doorOf(portal);
@@ -170,7 +175,8 @@ class Query {
     for (std::size_t i = 0; i < path.size(); ++i) {
       addPoint(path[i], plan);
       if (i == 0) continue;
-      plan.cost += graph_.integrate(path[i - 1].ltr, path[i - 1].position, path[i].position, false);
+      plan.cost +=
+          graph_.integrateFromAny(path[i - 1].ltr, path[i - 1].position, path[i].position, false);
       plan.length_m += (path[i].position - path[i - 1].position).norm();
     }
     for (const Waypoint& waypoint : route.waypoints) {
@@ -258,7 +264,7 @@ std::optional<std::size_t> DoorPlanner::findBlocked(
   const std::shared_ptr<const DoorGraph> now = graph();
   for (std::size_t i = 1; i < path.size(); ++i) {
     const int ltr = now->locate(path[i - 1]);
-    if (ltr == kNone || now->integrate(ltr, path[i - 1], path[i]) == kNoPassing) return i;
+    if (ltr == kNone || now->integrateFromAny(ltr, path[i - 1], path[i]) == kNoPassing) return i;
   }
   return std::nullopt;
 }

@@ -22,7 +22,7 @@ double PathShortening::cost(const PathPoint& from, const PathPoint& to) const {
       if (!allows_(from.position + along * i / parts)) return kNoPassing;
     }
   }
-  return graph_.integrate(from.ltr, from.position, to.position);
+  return graph_.integrateFromAny(from.ltr, from.position, to.position);
 }
 
 // Every other point is tried, so that one pass costs two traversals of the path, and halves its
@@ -34,7 +34,7 @@ bool PathShortening::dropPoints(std::vector<PathPoint>& path, std::vector<double
   while (i + 1 < path.size()) {
     if (i + 2 < path.size()) {
       const double straight = cost(path[i], path[i + 2]);
-      if (straight <= (costs[i] + costs[i + 1]) * (1.0 + kRounding)) {
+      if (straight < kNoPassing && straight <= (costs[i] + costs[i + 1]) * (1.0 + kRounding)) {
         kept.push_back(path[i + 2]);
         kept_costs.push_back(straight);
         i += 2;
