@@ -6,7 +6,6 @@
 #include "door_planner/door_planner.h"
 #include "door_planner/planner_feed.h"
 #include "pipeline/grid_mapper.h"
-#include "pipeline/suite_config.h"
 #include "pipeline/suite_stage.h"
 
 namespace hymm::core {
