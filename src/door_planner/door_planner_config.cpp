@@ -69,7 +69,7 @@ void PlannedVehicleConfig::describe(ConfigSchema& schema) {
 }
 
 void DoorPlannerConfig::describe(ConfigSchema& schema) {
-  schema.group("vehicle", vehicle);
+  schema.group("footprint", vehicle);
   schema.group("cost", cost);
   schema.number("portal_spacing_m", portal_spacing_m, Range{0.2, 50.0, false},
                 "largest distance of portals on a side; a quarter of the side if that is less");
@@ -121,7 +121,7 @@ std::vector<std::string> DoorPlannerConfig::problems() const {
         "give it a small positive value.");
   }
   if (vehicle.rear_overhang_m > vehicle.length_m) {
-    problems.emplace_back("vehicle.rear_overhang_m: is greater than vehicle.length_m.");
+    problems.emplace_back("footprint.rear_overhang_m: is greater than footprint.length_m.");
   }
   return problems;
 }

@@ -1,0 +1,351 @@
+#include "nodes/door_planner_node.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "ros/map_conversions.h"
+#include "ros/steady_time.h"
+
+namespace hymm {
+namespace {
+
+constexpr std::uint32_t kQueue = 10000;
+constexpr bool kLatched = true;
+constexpr std::uint32_t kRequestThreads = 2;
+constexpr std::size_t kMatricesAtOnce = 200;  ///< then queries see what there is
+constexpr double kDoorsEvery_s = 1.0;
+constexpr double kMoved_m = 0.01;  ///< by which a plan must move to be sent again
+
+/// Service responses and action results have the same fields.
+template <class Message>
+void fill(const core::Plan& plan, const std_msgs::Header& header, Message& message) {
+  message.success = plan.ok();
+  message.status = core::nameOf(plan.status);
+  message.message = plan.sentence;
+  message.path = pathMessage(plan.path, header);
+  message.cost = plan.cost;
+  message.cost_with_uncertainty = plan.cost_with_uncertainty;
+  message.length = plan.length_m;
+  message.worst_shape_factor = plan.worst_shape_factor;
+  message.doors = plan.doors;
+}
+
+Eigen::Vector2d placeOf(const geometry_msgs::Point& point) { return {point.x, point.y}; }
+
+core::Plan refusal(core::PlanStatus status, const std::string& sentence) {
+  core::Plan plan;
+  plan.status = status;
+  plan.sentence = sentence;
+  return plan;
+}
+
+}  // namespace
+
+DoorPlannerNode::DoorPlannerNode(const core::DoorPlannerConfig& config,
+                                 const core::VehicleConfig& vehicle)
+    : config_(config),
+      map_frame_(vehicle.map_frame),
+      planner_(config),
+      request_spinner_(kRequestThreads, &request_queue_) {
+  request_handle_.setCallbackQueue(&request_queue_);
+  plan_publisher_ = handle_.advertise<nav_msgs::Path>("plan", 2, kLatched);
+  doors_publisher_ = handle_.advertise<visualization_msgs::MarkerArray>("doors", 1, kLatched);
+  subscribers_ = {
+      handle_.subscribe("landmarks", 2, &DoorPlannerNode::takeMap, this),
+      handle_.subscribe("landmark_updates", kQueue, &DoorPlannerNode::takeUpdate, this),
+      handle_.subscribe("ltrs", 2, &DoorPlannerNode::takeLtrs, this),
+      handle_.subscribe("ltr_grids", kQueue, &DoorPlannerNode::takeGrid, this),
+      handle_.subscribe("pose", 10, &DoorPlannerNode::takePose, this),
+      handle_.subscribe("level_sets", 16, &DoorPlannerNode::takeLevelSet, this),
+      request_handle_.subscribe("move_base_simple/goal", 2, &DoorPlannerNode::takeGoal, this)};
+  services_ = {request_handle_.advertiseService("plan_path", &DoorPlannerNode::planPath, this),
+               request_handle_.advertiseService("make_plan", &DoorPlannerNode::makePlan, this)};
+  action_ = std::make_unique<PlanServer>(
+      request_handle_, "plan_path",
+      [this](const PlanPathGoalConstPtr& goal) { executeAction(goal); }, false);
+  action_->start();
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("door planner", this, &DoorPlannerNode::diagnose);
+  diagnostics_timer_ = handle_.createSteadyTimer(
+      ros::WallDuration(1.0),
+      [this](const ros::SteadyTimerEvent&) { diagnostics_.force_update(); });
+  worker_ = std::thread(&DoorPlannerNode::work, this);
+  request_spinner_.start();
+}
+
+DoorPlannerNode::~DoorPlannerNode() {
+  request_spinner_.stop();
+  action_->shutdown();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  worker_.join();
+}
+
+std_msgs::Header DoorPlannerNode::header() const {
+  std_msgs::Header made;
+  made.stamp = ros::Time::now();
+  made.frame_id = map_frame_;
+  return made;
+}
+
+bool DoorPlannerNode::isOurFrame(const std::string& frame, const std::string& topic) {
+  if (frame == map_frame_) return true;
+  causes_.count(topic + " in another frame", topic + " comes in the frame '" + frame + "', not '" +
+                                                 map_frame_ + "'; it is not used.");
+  return false;
+}
+
+void DoorPlannerNode::takeMap(const LandmarkMap& message) {
+  if (!isOurFrame(message.header.frame_id, "landmarks")) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const core::LandmarkMap map = fromMessage(message);
+  if (map.version < mirror_.map().version) live_.reset();
+  mirror_.take(map);
+  follow(mirror_.map());
+}
+
+void DoorPlannerNode::takeUpdate(const LandmarkUpdate& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (mirror_.take(fromMessage(message))) follow(mirror_.map());
+}
+
+/// The plan moves along at once; doors and matrices follow when the worker comes to it.
+void DoorPlannerNode::follow(const core::LandmarkMap& map) {
+  feed_.setLandmarks(map.landmarks);
+  has_news_ = true;
+  changed_.notify_all();
+  if (live_) publishLive(*live_);
+}
+
+void DoorPlannerNode::publishLive(LivePlan& live) {
+  const auto places =
+      core::placeOf(live.plan.points, [this](int id) { return feed_.findLandmark(id); });
+  if (!places) return;
+  double moved_m = live.sent.size() == places->size() ? 0.0 : 2.0 * kMoved_m;
+  for (std::size_t i = 0; i < places->size() && i < live.sent.size(); ++i) {
+    moved_m = std::max(moved_m, ((*places)[i] - live.sent[i]).norm());
+  }
+  if (moved_m < kMoved_m) return;
+  live.sent = *places;
+  plan_publisher_.publish(pathMessage(*places, header()));
+}
+
+void DoorPlannerNode::takeLtrs(const LtrMap& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  feed_.setTopology(fromMessage(message));
+  has_news_ = true;
+  changed_.notify_all();
+}
+
+void DoorPlannerNode::takeGrid(const LtrGrid& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!feed_.setLayer(message.ltr, message.layer, message.model, static_cast<int>(message.channels),
+                      message.cells)) {
+    causes_.count("layers refused", "Layer '" + message.layer + "' of an LTR has the model '" +
+                                        message.model +
+                                        "', which is not known here or does not fit its numbers.");
+    return;
+  }
+  has_news_ = true;
+  changed_.notify_all();
+}
+
+void DoorPlannerNode::takePose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  const Eigen::Vector2d place = placeOf(message.pose.pose.position);
+  if (!isOurFrame(message.header.frame_id, "pose") || !place.allFinite()) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  vehicle_ = place;
+}
+
+void DoorPlannerNode::takeLevelSet(const LevelSet& message) {
+  if (!isOurFrame(message.header.frame_id, "level_sets")) return;
+  auto set = std::make_shared<const InformedPlaces>(message);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  level_sets_[message.value] = std::move(set);
+}
+
+core::Plan DoorPlannerNode::plan(const Wish& wish, const std::function<bool()>& cancelled) {
+  core::PlanRequest request;
+  request.goal = wish.goal;
+  request.tolerance_m = wish.tolerance_m < 0.0 ? config_.tolerance_m : wish.tolerance_m;
+  std::shared_ptr<const InformedPlaces> informed;
+  std::optional<core::Plan> refused;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (wish.start || vehicle_) {
+      request.start = wish.start ? *wish.start : *vehicle_;
+    } else {
+      refused = refusal(core::PlanStatus::kBadRequest,
+                        "No pose has come on 'pose' yet to start from; give a start.");
+    }
+    if (wish.lowest_information > 0.0) {
+      // The largest set that gives at least that much.
+      const auto set = level_sets_.lower_bound(wish.lowest_information);
+      if (set != level_sets_.end()) informed = set->second;
+      if (!informed && !refused) {
+        refused = refusal(core::PlanStatus::kBelowInformation,
+                          "No level set of at least that information has come on 'level_sets'; "
+                          "is information_map running, with such a value?");
+      }
+    }
+  }
+  if (informed) {
+    request.is_informed = [informed](const Eigen::Vector2d& place) {
+      return informed->contains(place);
+    };
+  }
+  const double end_s = steadyNow() + config_.time_limit_s;
+  request.interrupted = [end_s, &cancelled] {
+    if (cancelled && cancelled()) return core::PlanStatus::kCancelled;
+    return steadyNow() > end_s ? core::PlanStatus::kTimeout : core::PlanStatus::kOk;
+  };
+  core::Plan answer = refused ? *refused : planner_.plan(request);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++answers_[core::nameOf(answer.status)];
+  return answer;
+}
+
+void DoorPlannerNode::keep(const Wish& wish, const core::Plan& plan) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  live_.reset();
+  if (plan.ok()) {
+    live_ = LivePlan{wish, plan, {}};
+    publishLive(*live_);
+  } else {
+    ROS_WARN_STREAM(core::nameOf(plan.status) << ": " << plan.sentence);
+    plan_publisher_.publish(pathMessage({}, header()));
+  }
+}
+
+void DoorPlannerNode::takeGoal(const geometry_msgs::PoseStamped& message) {
+  if (!isOurFrame(message.header.frame_id, "move_base_simple/goal")) return;
+  Wish wish;
+  wish.goal = placeOf(message.pose.position);
+  keep(wish, plan(wish));
+}
+
+bool DoorPlannerNode::planPath(PlanPath::Request& request, PlanPath::Response& response) {
+  Wish wish;
+  if (!request.from_pose) wish.start = placeOf(request.start);
+  wish.goal = placeOf(request.goal);
+  wish.tolerance_m = request.tolerance;
+  wish.lowest_information = request.lowest_information;
+  fill(plan(wish), header(), response);
+  return true;
+}
+
+bool DoorPlannerNode::makePlan(nav_msgs::GetPlan::Request& request,
+                               nav_msgs::GetPlan::Response& response) {
+  response.plan.header = header();
+  for (const std::string& frame : {request.start.header.frame_id, request.goal.header.frame_id}) {
+    if (!frame.empty() && !isOurFrame(frame, "make_plan")) return true;
+  }
+  Wish wish;
+  wish.start = placeOf(request.start.pose.position);
+  wish.goal = placeOf(request.goal.pose.position);
+  wish.tolerance_m = std::isfinite(request.tolerance) ? double{request.tolerance} : -1.0;
+  const core::Plan answer = plan(wish);
+  if (!answer.ok()) ROS_WARN_STREAM("make_plan: " << answer.sentence);
+  response.plan = pathMessage(answer.path, header());
+  return true;
+}
+
+void DoorPlannerNode::executeAction(const PlanPathGoalConstPtr& goal) {
+  const double begin_s = steadyNow();
+  Wish wish;
+  if (!goal->from_pose) wish.start = placeOf(goal->start);
+  wish.goal = placeOf(goal->goal);
+  wish.tolerance_m = goal->tolerance;
+  wish.lowest_information = goal->lowest_information;
+  const core::Plan answer = plan(wish, [&] {
+    PlanPathFeedback feedback;
+    feedback.seconds = steadyNow() - begin_s;
+    action_->publishFeedback(feedback);
+    return action_->isPreemptRequested();
+  });
+  PlanPathResult result;
+  fill(answer, header(), result);
+  if (answer.status == core::PlanStatus::kCancelled) {
+    action_->setPreempted(result, answer.sentence);
+    return;
+  }
+  keep(wish, answer);
+  if (answer.ok()) {
+    action_->setSucceeded(result, answer.sentence);
+  } else {
+    action_->setAborted(result, answer.sentence);
+  }
+}
+
+void DoorPlannerNode::work() {
+  while (true) {
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      changed_.wait(lock, [this] { return has_news_ || stopping_; });
+      if (stopping_) return;
+      has_news_ = false;
+      feed_.tell(planner_);
+      if (vehicle_) place = *vehicle_;
+    }
+    const double begin_s = steadyNow();
+    for (std::size_t left = 1; left > 0;) {
+      left = planner_.prepare(place, kMatricesAtOnce);
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (stopping_) return;
+    }
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      preparation_ms_ = 1e3 * (steadyNow() - begin_s);
+      counts_ = planner_.counts();
+    }
+    replanIfBlocked();
+    publishDoors();
+  }
+}
+
+void DoorPlannerNode::replanIfBlocked() {
+  Wish wish;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!live_ || !planner_.findBlocked(live_->sent)) return;
+    wish = live_->wish;
+    ++blocked_plans_;
+    if (vehicle_) wish.start.reset();
+  }
+  ROS_INFO("The plan is blocked where the map has changed: planning anew.");
+  keep(wish, plan(wish));
+}
+
+void DoorPlannerNode::publishDoors() {
+  const double now_s = steadyNow();
+  if (now_s - doors_sent_s_ < kDoorsEvery_s) return;
+  doors_sent_s_ = now_s;
+  doors_publisher_.publish(doorMarkers(*planner_.graph(), header()));
+}
+
+void DoorPlannerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const std::shared_ptr<const core::DoorGraph> graph = planner_.graph();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.summary(DiagnosticStatus::OK, "Ready for requests");
+  if (graph->ltrs().empty()) {
+    status.summary(DiagnosticStatus::WARN, "No local triangular region can be used yet");
+  }
+  status.add("LTRs", graph->ltrs().size());
+  status.add("portals", graph->portalCount());
+  status.add("cost matrices computed", counts_.matrices);
+  status.add("layers taken", counts_.contents);
+  status.add("layers without a change that counts", counts_.unchanged_contents);
+  status.add("layers of another grid refused", feed_.refusedContents());
+  status.add("last preparation [ms]", preparation_ms_);
+  status.add("plans found blocked", blocked_plans_);
+  for (const auto& [name, count] : answers_) status.add("requests answered " + name, count);
+  for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);
+}
+
+}  // namespace hymm

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include <hymm/LevelSet.h>
+#include <hymm/LtrMap.h>
+#include <nav_msgs/Path.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include "door_planner/door_graph.h"
+#include "door_planner/plan.h"
+#include "hybrid_map/ltr_topology.h"
+
+namespace hymm {
+
+std::vector<core::LtrTopology> fromMessage(const LtrMap& message);
+
+/// Poses along the points, each heading for the next one.
+nav_msgs::Path pathMessage(const std::vector<Eigen::Vector2d>& path,
+                           const std_msgs::Header& header);
+
+/// Doors as lines, portals as points: the namespaces `doors` and `portals`.
+visualization_msgs::MarkerArray doorMarkers(const core::DoorGraph& graph,
+                                            const std_msgs::Header& header);
+
+/// Whether places lie in a level set.
+class InformedPlaces {
+ public:
+  explicit InformedPlaces(const LevelSet& message);
+
+  double value() const { return value_; }
+  bool contains(const Eigen::Vector2d& place) const;
+
+ private:
+  struct Leaf {
+    double x, y, half;
+  };
+  double value_, bucket_m_ = 1.0;
+  /// Leaves by the buckets that they touch.
+  std::unordered_map<std::uint64_t, std::vector<Leaf>> buckets_;
+};
+
+}  // namespace hymm

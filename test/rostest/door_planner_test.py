@@ -1,0 +1,182 @@
+#!/usr/bin/python3
+"""Wiring of the node door_planner: requests are answered over the map that messages tell, and the plan follows."""
+import math
+import threading
+import time
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Point, PoseStamped, PoseWithCovarianceStamped
+from hymm.msg import Landmark, LandmarkMap, Ltr, LtrGrid, LtrMap, PlanPathAction, PlanPathGoal
+from hymm.srv import PlanPath
+from nav_msgs.msg import Path
+from nav_msgs.srv import GetPlan
+from visualization_msgs.msg import MarkerArray
+
+WAIT_S = 10.0
+EDGE_M = 12.0
+CELLS = 60
+SQUARES = 4  # in a row
+
+
+def wait_for(condition):
+    end = time.monotonic() + WAIT_S
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.05)
+    return condition()
+
+
+def landmark_map(version, shift=0.0):
+    """The corners of a row of squares."""
+    message = LandmarkMap(version=version)
+    message.header.frame_id = "map"
+    message.header.stamp = rospy.Time.from_sec(100.0 + version)
+    for i in range(2 * (SQUARES + 1)):
+        landmark = Landmark(id=i, observations=10)
+        landmark.position.x, landmark.position.y = EDGE_M * (i // 2), EDGE_M * (i % 2) + shift
+        landmark.covariance = [1e-4, 0.0, 0.0, 1e-4]
+        message.landmarks.append(landmark)
+    return message
+
+
+def ltr_map():
+    """Two LTRs a square: 2 s with its right angle at the lower left, 2 s + 1 at the upper right."""
+    message = LtrMap(landmark_version=1)
+    message.header.frame_id = "map"
+    for s in range(SQUARES):
+        corner = 2 * s
+        left = 2 * s - 1 if s > 0 else -1
+        right = 2 * s + 2 if s + 1 < SQUARES else -1
+        common = dict(alpha_cells=CELLS, beta_cells=CELLS, shape_factor=1.0)
+        message.ltrs.append(Ltr(id=2 * s, landmark_ids=[corner, corner + 2, corner + 1],
+                                neighbours=[-1, 2 * s + 1, left], **common))
+        message.ltrs.append(Ltr(id=2 * s + 1, landmark_ids=[corner + 3, corner + 1, corner + 2],
+                                neighbours=[-1, 2 * s, right], **common))
+    return message
+
+
+def grid(ltr, log_odds=-3.0):
+    cells = sum(CELLS - j for j in range(CELLS))
+    message = LtrGrid(ltr=ltr, layer="occupancy", model="occupancy", alpha_cells=CELLS,
+                      beta_cells=CELLS, channels=1, revision=1, cells=[log_odds] * cells)
+    message.header.frame_id = "map"
+    return message
+
+
+class DoorPlannerTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("door_planner_test")
+        cls.plans, cls.doors, cls.status = [], [], {}
+        rospy.Subscriber("plan", Path, cls.plans.append)
+        rospy.Subscriber("doors", MarkerArray, cls.doors.append)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, cls.diagnose)
+        cls.maps = rospy.Publisher("landmarks", LandmarkMap, queue_size=10)
+        cls.ltrs = rospy.Publisher("ltrs", LtrMap, queue_size=10)
+        cls.grids = rospy.Publisher("ltr_grids", LtrGrid, queue_size=100)
+        cls.poses = rospy.Publisher("pose", PoseWithCovarianceStamped, queue_size=10)
+        cls.goals = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=10)
+        rospy.wait_for_service("plan_path", WAIT_S)
+        cls.plan_path = rospy.ServiceProxy("plan_path", PlanPath)
+        cls.make_plan = rospy.ServiceProxy("make_plan", GetPlan)
+        publishers = (cls.maps, cls.ltrs, cls.grids, cls.poses, cls.goals)
+        assert wait_for(lambda: all(p.get_num_connections() for p in publishers))
+
+    @classmethod
+    def diagnose(cls, message):
+        for status in message.status:
+            cls.status[status.name] = (status.message, {v.key: v.value for v in status.values})
+
+    def ask(self, x=42.0, y=6.0, **fields):
+        fields.setdefault("from_pose", False)
+        fields.setdefault("start", Point(3.0, 4.0, 0.0))
+        return self.plan_path(goal=Point(x, y, 0.0), tolerance=fields.pop("tolerance", 0.0),
+                              lowest_information=fields.pop("lowest_information", 0.0), **fields)
+
+    def test_1_before_a_map_it_says_so(self):
+        answer = self.ask()
+        self.assertFalse(answer.success)
+        self.assertEqual(answer.status, "NO_MAP")
+        self.assertTrue(wait_for(lambda: any(
+            "No local triangular region" in text for text, _ in self.status.values())))
+
+    def test_2_it_plans_over_the_map(self):
+        self.maps.publish(landmark_map(1))
+        self.ltrs.publish(ltr_map())
+        for ltr in range(2 * SQUARES):
+            self.grids.publish(grid(ltr))
+        self.assertTrue(wait_for(lambda: self.ask().success))
+        self.assertTrue(wait_for(lambda: abs(self.ask().cost - self.ask().length) < 1e-3), "all grids are known")
+        answer = self.ask()
+        self.assertEqual(answer.status, "OK")
+        self.assertAlmostEqual(answer.length, math.hypot(39.0, 2.0), places=3)
+        self.assertEqual(answer.path.header.frame_id, "map")
+        self.assertGreater(len(answer.doors), 5)
+        self.assertTrue(wait_for(lambda: self.doors))
+
+    def test_3_it_says_what_is_wrong(self):
+        self.assertEqual(self.ask(x=400.0).status, "GOAL_OUTSIDE_MAP")
+        self.assertEqual(self.ask(start=Point(-9.0, 0.0, 0.0)).status, "START_OUTSIDE_MAP")
+        self.assertEqual(self.ask(x=float("nan")).status, "BAD_REQUEST")
+        self.assertEqual(self.ask(lowest_information=1.0).status, "BELOW_INFORMATION")
+        answer = self.ask(from_pose=True)
+        self.assertEqual(answer.status, "BAD_REQUEST")
+        self.assertIn("No pose", answer.message)
+
+    def test_4_many_requests_at_once(self):
+        answers = []
+        threads = [threading.Thread(target=lambda: answers.append(self.ask())) for _ in range(100)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual([a.status for a in answers], ["OK"] * 100)
+
+    def test_5_make_plan_answers_too(self):
+        start, goal = PoseStamped(), PoseStamped()
+        start.header.frame_id = goal.header.frame_id = "map"
+        start.pose.position, goal.pose.position = Point(3.0, 4.0, 0.0), Point(42.0, 6.0, 0.0)
+        self.assertGreaterEqual(len(self.make_plan(start, goal, 0.0).plan.poses), 2)
+
+    def test_6_a_goal_gives_a_plan_that_follows_the_landmarks(self):
+        pose = PoseWithCovarianceStamped()
+        pose.header.frame_id = "map"
+        pose.pose.pose.position = Point(3.0, 4.0, 0.0)
+        self.poses.publish(pose)
+        time.sleep(0.3)
+        goal = PoseStamped()
+        goal.header.frame_id = "map"
+        goal.pose.position = Point(42.0, 6.0, 0.0)
+        self.goals.publish(goal)
+        self.assertTrue(wait_for(lambda: self.plans and self.plans[-1].poses))
+        self.assertAlmostEqual(self.plans[-1].poses[-1].pose.position.y, 6.0, places=6)
+        self.maps.publish(landmark_map(2, shift=1.5))
+        self.assertTrue(wait_for(lambda: abs(self.plans[-1].poses[-1].pose.position.y - 7.5) < 1e-6))
+
+    def test_7_the_action_answers_and_keeps_its_plan(self):
+        client = actionlib.SimpleActionClient("plan_path", PlanPathAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(WAIT_S)))
+        client.send_goal(PlanPathGoal(start=Point(3.0, 4.0, 0.0), goal=Point(30.0, 6.0, 0.0)))
+        self.assertTrue(client.wait_for_result(rospy.Duration(WAIT_S)))
+        self.assertEqual(client.get_result().status, "OK")
+        client.send_goal(PlanPathGoal(start=Point(3.0, 4.0, 0.0), goal=Point(300.0, 6.0, 0.0)))
+        self.assertTrue(client.wait_for_result(rospy.Duration(WAIT_S)))
+        self.assertEqual(client.get_result().status, "GOAL_OUTSIDE_MAP")
+
+    def test_8_a_plan_that_is_blocked_is_made_anew_or_given_up(self):
+        goal = PoseStamped()
+        goal.header.frame_id = "map"
+        goal.pose.position = Point(42.0, 7.5, 0.0)
+        self.goals.publish(goal)
+        self.assertTrue(wait_for(lambda: self.plans[-1].poses))
+        for ltr in (4, 5):
+            self.grids.publish(grid(ltr, log_odds=3.0))
+        self.assertTrue(wait_for(lambda: not self.plans[-1].poses), "the whole width is closed")
+        self.assertEqual(self.ask(start=Point(3.0, 5.5, 0.0), y=7.5).status, "NO_PATH")
+
+
+if __name__ == "__main__":
+    rostest.rosrun("hymm", "door_planner_test", DoorPlannerTest)
