@@ -302,6 +302,9 @@ class CekfSlam::Impl {
     outcome.pose = pose();
     outcome.pose.time_s = set.time_s;
     outcome.pose.relative_covariance = relative;
+    const SensorPlacement placement = sensorPlacement(set);
+    outcome.pose.T_base_sensor = placement.T_base_sensor;
+    outcome.pose.range_offset_m = placement.range_offset_m;
     describeHealth(set.time_s, start, outcome);
     outcome.observations = std::move(set);
     return outcome;

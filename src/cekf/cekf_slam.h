@@ -27,6 +27,10 @@ struct PoseEstimate {
   /// The same relative to the landmarks around (see relativeCovariance); that of a scan's outcome.
   Eigen::Matrix3d relative_covariance = Eigen::Matrix3d::Zero();
   std::uint64_t map_version = 0;  ///< of the landmarks it belongs to
+  /// Where the scan's sensor stood, and by how much its ranges are too long, as the filter
+  /// estimates its systematic errors.
+  Pose2 T_base_sensor;
+  double range_offset_m = 0.0;
 };
 
 /// How well the filter explains what the sensors say. Shares are between 0 and 1.

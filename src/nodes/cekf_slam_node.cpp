@@ -43,6 +43,8 @@ CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
       queue_(kQueueCapacity),
       inputs_(handle_, config.motion_input, config.observation_input, config.gps.enabled, queue_,
               causes_) {
+  ltrs_subscriber_ = handle_.subscribe("ltrs", 10, &CekfSlamNode::takeLtrs, this,
+                                       ros::TransportHints().tcpNoDelay());
   pause_service_ = handle_.advertiseService("pause", &CekfSlamNode::pause, this);
   reset_service_ = handle_.advertiseService("reset", &CekfSlamNode::reset, this);
   joint_covariance_service_ = advertisePatiently();
@@ -137,6 +139,16 @@ void CekfSlamNode::forgetRecording() {
 
 std::size_t CekfSlamNode::droppedScans() const {
   return queue_.counts().dropped_scans + late_scans_;
+}
+
+/// The vertices of the dense map's triangles must stay.
+void CekfSlamNode::takeLtrs(const LtrMap& message) {
+  std::vector<int> vertices;
+  for (const Ltr& ltr : message.ltrs) {
+    vertices.insert(vertices.end(), ltr.landmark_ids.begin(), ltr.landmark_ids.end());
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  filter_.pinLandmarks(message.header.stamp.toSec(), vertices);
 }
 
 bool CekfSlamNode::pause(Pause::Request& request, Pause::Response& response) {

@@ -6,6 +6,7 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <hymm/GetJointCovariance.h>
+#include <hymm/LtrMap.h>
 #include <hymm/Pause.h>
 #include <hymm/Reset.h>
 #include <ros/callback_queue.h>
@@ -45,6 +46,7 @@ class CekfSlamNode {
   void forgetRecording();
   std::size_t droppedScans() const;
 
+  void takeLtrs(const LtrMap& message);
   bool pause(Pause::Request& request, Pause::Response& response);
   bool reset(Reset::Request& request, Reset::Response& response);
   ros::ServiceServer advertisePatiently();
@@ -74,6 +76,7 @@ class CekfSlamNode {
 
   SensorQueue queue_;
   SensorInputs inputs_;
+  ros::Subscriber ltrs_subscriber_;
   ros::ServiceServer pause_service_, reset_service_;
   ros::CallbackQueue patient_calls_;  ///< services that may wait long, apart from the messages
   ros::ServiceServer joint_covariance_service_;

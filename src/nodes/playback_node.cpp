@@ -49,6 +49,8 @@ PlaybackNode::PlaybackNode(const PlaybackConfig& config) : config_(config) {
   for (std::string name; names >> name;) listeners_.push_back(name);
   clock_ = handle_.subscribe<rosgraph_msgs::Clock>(
       "/clock", 10, [this](const rosgraph_msgs::Clock::ConstPtr&) { clock_wall_s_ = steadyNow(); });
+  grid_ = handle_.subscribe<GridStatus>(
+      "grid_status", 1000, [this](const GridStatus::ConstPtr&) { result_wall_s_ = steadyNow(); });
   health_ = handle_.subscribe<FilterHealth>(
       "cekf/health", 1000, [this](const FilterHealth::ConstPtr&) { result_wall_s_ = steadyNow(); });
 }

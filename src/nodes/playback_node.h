@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <hymm/FilterHealth.h>
+#include <hymm/GridStatus.h>
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
 
@@ -41,9 +42,9 @@ class PlaybackNode {
   PlaybackConfig config_;
   std::vector<std::string> listeners_;
   double clock_wall_s_ = 0.0;   ///< when /clock last came
-  double result_wall_s_ = 0.0;  ///< when the filter last answered
+  double result_wall_s_ = 0.0;  ///< when the filter, or what follows it, last answered
   ros::NodeHandle handle_;
-  ros::Subscriber clock_, health_;
+  ros::Subscriber clock_, health_, grid_;
 };
 
 }  // namespace hymm

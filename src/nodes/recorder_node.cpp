@@ -25,6 +25,7 @@ void RecorderConfig::describe(core::ConfigSchema& schema) {
 RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle)
     : vehicle_(vehicle),
       writer_(config.output),
+      grid_(config.output),
       gps_(vehicle.gps_antenna.T_base_sensor().position()),
       mode_(FilterStatus::INITIALISING),
       begin_wall_s_(steadyNow()) {
@@ -36,6 +37,7 @@ RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConf
       handle_.subscribe("landmark_updates", kUnbounded, &RecorderNode::takeUpdate, this, hints),
       handle_.subscribe("gps/fix", kUnbounded, &RecorderNode::takeGps, this, hints),
       handle_.subscribe("filter_status", kUnbounded, &RecorderNode::takeStatus, this, hints)};
+  grid_.subscribe(handle_);
   save_timer_ = handle_.createSteadyTimer(ros::WallDuration(config.save_period_s),
                                           [this](const ros::SteadyTimerEvent&) { save(); });
 }
@@ -139,13 +141,16 @@ core::RunTotals RecorderNode::totals() const {
   core::RunTotals totals;
   totals.wall_s = steadyNow() - begin_wall_s_;
   totals.gps_antenna_m = vehicle_.gps_antenna.T_base_sensor().position();
-  totals.notes = {"Recorded live: cpu_s and peak_rss_mb are those of the node cekf_slam."};
+  totals.notes = {
+      "Recorded live: peak_rss_mb is that of the node cekf_slam, cpu_s that node's and the dense "
+      "map's."};
   if (!last_health_) return totals;
   totals.cpu_s = last_health_->process_cpu_s;
   totals.peak_rss_mb = last_health_->peak_rss_mb;
   totals.subsystem_cpu_s = {{"perception", last_health_->perception_cpu_s},
                             {"filter", last_health_->filter_cpu_s},
                             {"worker", last_health_->worker_cpu_s}};
+  grid_.addTo(totals);
   totals.addOtherCpu();
   totals.dropped_scans =
       static_cast<std::size_t>(last_health_->dropped_scans + last_health_->refused_scans);
@@ -161,6 +166,7 @@ core::RunTotals RecorderNode::totals() const {
 
 void RecorderNode::save() {
   try {
+    grid_.write();
     writer_.save(landmarks_.map(), totals());
   } catch (const core::OutputError& error) {  // perhaps there will be room again at the end
     causes_.count("not saved", std::string("Results cannot be saved: ") + error.what());
@@ -170,6 +176,7 @@ void RecorderNode::save() {
 void RecorderNode::finish() {
   save_timer_.stop();
   write(std::numeric_limits<double>::infinity());
+  grid_.write();
   writer_.finish(landmarks_.map(), totals());
 }
 

@@ -8,8 +8,12 @@
 #include <hymm/FilterHealth.h>
 #include <hymm/FilterPose.h>
 #include <hymm/FilterStatus.h>
+#include <hymm/GridStatus.h>
 #include <hymm/LandmarkMap.h>
 #include <hymm/LandmarkUpdate.h>
+#include <hymm/LtrMap.h>
+#include <map_msgs/OccupancyGridUpdate.h>
+#include <nav_msgs/OccupancyGrid.h>
 #include <ros/ros.h>
 #include <sensor_msgs/NavSatFix.h>
 
@@ -17,6 +21,7 @@
 #include "ros/cause_log.h"
 #include "ros/filter_pairing.h"
 #include "ros/gps_converter.h"
+#include "ros/grid_record.h"
 #include "ros/landmark_mirror.h"
 #include "vehicle/vehicle_config.h"
 
@@ -60,6 +65,7 @@ class RecorderNode {
 
   core::VehicleConfig vehicle_;
   core::ResultsWriter writer_;
+  GridRecord grid_;
   CauseLog causes_;
   GpsConverter gps_;
   LandmarkMirror landmarks_;

@@ -5,18 +5,11 @@
 namespace hymm::core {
 namespace {
 
-constexpr double kMemoryPeriod_s = 10.0;
-
 double megabytes(std::size_t bytes) { return 1e-6 * static_cast<double>(bytes); }
 
 }  // namespace
 
-bool MapMemoryLog::isDue(double time_s) const {
-  return !last_s_ || time_s >= *last_s_ + kMemoryPeriod_s || time_s < *last_s_;
-}
-
 void MapMemoryLog::add(const GridMemory& memory) {
-  last_s_ = memory.time_s;
   text_ += csvLine(',', memory.time_s, memory.ltrs, megabytes(memory.in_ltrs.unpacked_bytes),
                    megabytes(memory.in_ltrs.packed_bytes),
                    megabytes(memory.in_ltrs.packed_from_bytes), megabytes(memory.waiting_bytes));

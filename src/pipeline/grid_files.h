@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,18 +16,17 @@ struct GridMemory {
   std::size_t waiting_bytes = 0;  ///< of what lies outside of every LTR
 };
 
-/// The content of map_memory.csv: how much memory the map took in the course of a run, every ten
-/// seconds by stamps.
+/// How often, by stamps, map_memory.csv has a line.
+constexpr double kMemoryLogPeriod_s = 10.0;
+
+/// The content of map_memory.csv: how much memory the map took in the course of a run.
 class MapMemoryLog {
  public:
-  /// Whether it is time for the next line.
-  bool isDue(double time_s) const;
   void add(const GridMemory& memory);
   const std::string& text() const { return text_; }
 
  private:
   std::string text_ = "t,ltrs,unpacked_mb,packed_mb,packed_from_mb,waiting_mb\n";
-  std::optional<double> last_s_;
 };
 
 /// The content of ltrs.csv.

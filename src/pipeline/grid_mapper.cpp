@@ -9,10 +9,14 @@
 
 namespace hymm::core {
 
-PosedScan posedScan(const ScanEvent& event, const PoseEstimate& pose) {
+PosedScan posedScan(const LaserScan& scan, const PoseEstimate& pose) {
   PosedScan posed;
-  posed.scan = event.scan;
-  posed.T_map_laser = pose.T_map_base * event.T_base_laser;
+  posed.scan = scan;
+  const auto offset_m = static_cast<float>(pose.range_offset_m);
+  if (offset_m != 0.0F) {
+    for (float& range_m : posed.scan.ranges_m) range_m -= offset_m;
+  }
+  posed.T_map_laser = pose.T_map_base * pose.T_base_sensor;
   posed.map_version = pose.map_version;
   // An error of the heading shifts the sensor, which stands at `arm` from base_link.
   const Eigen::Vector2d arm = posed.T_map_laser.position() - pose.T_map_base.position();
@@ -37,7 +41,11 @@ MappedOutcome GridMapper::process(const MappedScan& step) {
     ++counts_.without_landmarks;
     outcome.reason = landmarks.reason;
   } else if (step.scan) {
-    const MapOutcome scan = map_.insert(posedScan(*step.scan, step.pose));
+    const PosedScan posed = posedScan(*step.scan, step.pose);
+    if (agreement_due_.takeIfDue(step.pose.time_s)) {
+      outcome.agreement = matcher_.agreement(map_, posed.scan, posed.T_map_laser);
+    }
+    const MapOutcome scan = map_.insert(posed);
     outcome.written = scan.accepted;
     outcome.reason = scan.reason;
     if (!scan.accepted) ++counts_.not_written;

@@ -5,9 +5,11 @@
 #include <string>
 
 #include "cekf/cekf_slam.h"
+#include "common/stamp_schedule.h"
 #include "hybrid_map/hybrid_map.h"
+#include "hybrid_map/scan_matcher.h"
+#include "perception/laser_scan.h"
 #include "pipeline/hymm_grid_config.h"
-#include "pipeline/sensor_event.h"
 
 namespace hymm::core {
 
@@ -16,14 +18,16 @@ struct MappedScan {
   PoseEstimate pose;
   LandmarkUpdate update;                   ///< up to the pose's version
   std::shared_ptr<const LandmarkMap> map;  ///< of that version, where a whole one was made
-  std::optional<ScanEvent> scan;           ///< nothing where the robot's own detector is used
+  std::optional<LaserScan> scan;           ///< nothing where the robot's own detector is used
 };
 
 /// What became of a MappedScan.
 struct MappedOutcome {
-  bool follows = false;   ///< the map is at the pose's version; else changes in between are missing
-  bool written = false;   ///< the scan was written
-  std::string reason;     ///< why the map does not follow, or the scan was not written
+  bool follows = false;  ///< the map is at the pose's version; else changes in between are missing
+  bool written = false;  ///< the scan was written
+  std::string reason;    ///< why the map does not follow, or the scan was not written
+  /// How well the scan agrees with what the map said before; once a second by stamps.
+  std::optional<ScanAgreement> agreement;
   bool topology = false;  ///< LTRs were created or retired, or may have other shape factors
 };
 
@@ -39,7 +43,8 @@ class GridMapper {
   };
 
   /// Throws ConfigError if the configuration is unusable.
-  explicit GridMapper(const HymmGridConfig& config) : map_(config.map) {}
+  explicit GridMapper(const HymmGridConfig& config)
+      : map_(config.map), matcher_(config.scan_matching) {}
 
   MappedOutcome process(const MappedScan& step);
 
@@ -50,6 +55,7 @@ class GridMapper {
   void reset();
 
   const HybridMap& map() const { return map_; }
+  const ScanMatcher& matcher() const { return matcher_; }
   /// The last whole map of the landmarks, whose covariances tell the shape factors; null at first.
   const std::shared_ptr<const LandmarkMap>& landmarks() const { return landmarks_; }
   std::vector<LtrTopology> topology() const;
@@ -60,6 +66,8 @@ class GridMapper {
   MapOutcome follow(const MappedScan& step);
 
   HybridMap map_;
+  ScanMatcher matcher_;
+  StampSchedule agreement_due_{1.0};
   std::shared_ptr<const LandmarkMap> landmarks_;
   Counts counts_;
   double cpu_s_ = 0.0;
@@ -67,6 +75,6 @@ class GridMapper {
 
 /// The scan with its sensor's pose in the map, and the deviations of that pose relative to the
 /// landmarks around.
-PosedScan posedScan(const ScanEvent& scan, const PoseEstimate& pose);
+PosedScan posedScan(const LaserScan& scan, const PoseEstimate& pose);
 
 }  // namespace hymm::core

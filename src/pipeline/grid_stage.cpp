@@ -1,6 +1,7 @@
 #include "pipeline/grid_stage.h"
 
 #include "common/unfinished_file.h"
+#include "hybrid_map/map_export.h"
 
 namespace hymm::core {
 
@@ -9,11 +10,11 @@ void GridStage::takeScan(const ScanStep& step, CekfSlam& filter) {
   mapped.pose = step.outcome.pose;
   mapped.update = step.update;
   mapped.map = step.map;
-  if (const auto* scan = std::get_if<ScanEvent>(&step.event)) mapped.scan = *scan;
+  if (const auto* scan = std::get_if<ScanEvent>(&step.event)) mapped.scan = scan->scan;
   const MappedOutcome outcome = mapper_.process(mapped);
   const double time_s = step.outcome.pose.time_s;
   if (outcome.topology) filter.pinLandmarks(time_s, mapper_.map().pinnedLandmarks());
-  if (memory_log_.isDue(time_s)) memory_log_.add(memoryOf(mapper_.map(), time_s));
+  if (memory_due_.takeIfDue(time_s)) memory_log_.add(memoryOf(mapper_.map(), time_s));
 }
 
 void GridStage::reset(double) { mapper_.reset(); }
@@ -40,6 +41,8 @@ std::map<std::string, std::size_t> GridStage::incidents() const {
 void GridStage::write(const std::filesystem::path& folder) {
   replaceFile(folder / "ltrs.csv", ltrsText(mapper_.topology()));
   replaceFile(folder / "map_memory.csv", memory_log_.text());
+  image_.update(mapper_.map());
+  if (!image_.image().cells.empty()) exportPgm(image_.image(), folder / "map");
 }
 
 }  // namespace hymm::core

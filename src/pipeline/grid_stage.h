@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/stamp_schedule.h"
 #include "pipeline/grid_files.h"
 #include "pipeline/grid_mapper.h"
 #include "pipeline/suite_stage.h"
@@ -12,7 +13,7 @@ class GridStage : public SuiteStage {
   static constexpr const char* kName = "hymm_grid";
 
   /// Throws ConfigError if the configuration is unusable.
-  explicit GridStage(const HymmGridConfig& config) : mapper_(config) {}
+  explicit GridStage(const HymmGridConfig& config) : mapper_(config), image_(config.image) {}
 
   void takeScan(const ScanStep& step, CekfSlam& filter) override;
   void reset(double time_s) override;
@@ -24,7 +25,9 @@ class GridStage : public SuiteStage {
 
  private:
   GridMapper mapper_;
+  MapImage image_;  ///< drawn at the end
   MapMemoryLog memory_log_;
+  StampSchedule memory_due_{kMemoryLogPeriod_s};
 };
 
 }  // namespace hymm::core

@@ -16,6 +16,8 @@ FilterPose toMessage(const core::PoseEstimate& estimate, const std::string& fram
   message.header.frame_id = frame_id;
   message.pose = toMessage(estimate.T_map_base, estimate.covariance);
   message.map_version = estimate.map_version;
+  message.sensor = toPoseMessage(estimate.T_base_sensor);
+  message.range_offset = estimate.range_offset_m;
   Eigen::Map<RowMajor3>(message.relative_covariance.data()) = estimate.relative_covariance;
   return message;
 }
@@ -26,6 +28,8 @@ core::PoseEstimate fromMessage(const FilterPose& message) {
   estimate.T_map_base = fromMessage(message.pose.pose);
   estimate.covariance = planarCovariance(message.pose);
   estimate.map_version = message.map_version;
+  estimate.T_base_sensor = fromMessage(message.sensor);
+  estimate.range_offset_m = message.range_offset;
   estimate.relative_covariance = Eigen::Map<const RowMajor3>(message.relative_covariance.data());
   return estimate;
 }

@@ -39,7 +39,9 @@ void FilterOutput::publish(core::CekfSlam& filter, const core::ScanOutcome& outc
   const FilterHealth health = healthMessage(filter, outcome, dropped_scans);
   update.map_follows = publishMapIfDue(filter, outcome.pose.time_s, health.map_correction);
   send(updates_, update, scan.stamp);
-  send(pose_, toMessage(outcome.pose, map_frame_), scan.stamp);
+  FilterPose pose = toMessage(outcome.pose, map_frame_);
+  pose.resets = health.resets;
+  send(pose_, pose, scan.stamp);
   send(health_, health, scan.stamp);
   if (observation_markers_.getNumSubscribers() > 0) {
     observation_markers_.publish(observationMarkers(outcome, map_frame_));

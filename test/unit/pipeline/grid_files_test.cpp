@@ -1,8 +1,11 @@
 #include "pipeline/grid_files.h"
 
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include "common/stamp_schedule.h"
 
 namespace hymm::core {
 namespace {
@@ -22,19 +25,25 @@ TEST(GridFiles, LtrsAreLinesOfTheirTopology) {
             "4,7,9,12,-1,3,-1,40,50,12.5,nan\n");
 }
 
-TEST(GridFiles, MemoryIsLoggedEveryTenSecondsOfEachRecording) {
+TEST(GridFiles, MemoryIsToldInMegabytes) {
   MapMemoryLog log;
-  for (const double time_s : {100.0, 104.0, 110.0, 119.0, 50.0}) {
-    GridMemory memory;
-    memory.time_s = time_s;
-    memory.ltrs = 2;
-    memory.in_ltrs.unpacked_bytes = 3000000;
-    memory.waiting_bytes = 500000;
-    if (log.isDue(time_s)) log.add(memory);
-  }
+  GridMemory memory;
+  memory.time_s = 100.0;
+  memory.ltrs = 2;
+  memory.in_ltrs = {3000000, 250000, 1000000};
+  memory.waiting_bytes = 500000;
+  log.add(memory);
   EXPECT_EQ(log.text(),
-            "t,ltrs,unpacked_mb,packed_mb,packed_from_mb,waiting_mb\n"
-            "100,2,3,0,0,0.5\n110,2,3,0,0,0.5\n50,2,3,0,0,0.5\n");
+            "t,ltrs,unpacked_mb,packed_mb,packed_from_mb,waiting_mb\n100,2,3,0.25,1,0.5\n");
+}
+
+TEST(StampSchedule, IsDueOnceInAPeriodOfEachRecording) {
+  StampSchedule schedule(10.0);
+  std::vector<double> due;
+  for (const double time_s : {100.0, 104.0, 110.0, 119.0, 50.0, 51.0}) {
+    if (schedule.takeIfDue(time_s)) due.push_back(time_s);
+  }
+  EXPECT_EQ(due, (std::vector<double>{100.0, 110.0, 50.0}));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "pipeline/grid_mapper.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -39,12 +40,12 @@ MappedScan stepOf(std::uint64_t version) {
   step.pose.time_s = 0.1 * static_cast<double>(version);
   step.update.since_version = version - 1;
   step.update.version = version;
-  ScanEvent event;
-  event.scan.time_s = step.pose.time_s;
-  event.scan.angle_increment_rad = 0.01;
-  event.scan.range_max_m = 80.0;
-  event.scan.ranges_m = {2.0F};
-  step.scan = event;
+  LaserScan scan;
+  scan.time_s = step.pose.time_s;
+  scan.angle_increment_rad = 0.01;
+  scan.range_max_m = 80.0;
+  scan.ranges_m = {2.0F};
+  step.scan = scan;
   return step;
 }
 
@@ -117,20 +118,27 @@ TEST(GridMapper, BeginsAnewWithTheFilter) {
 TEST(PosedScan, StandsWhereTheSensorDoes) {
   PoseEstimate pose;
   pose.T_map_base = {10.0, 5.0, kPi / 2.0};
-  ScanEvent event;
-  event.T_base_laser = {3.0, 0.0, 0.0};
-  const PosedScan posed = posedScan(event, pose);
+  pose.T_base_sensor = {3.0, 0.0, 0.0};
+  const PosedScan posed = posedScan(LaserScan(), pose);
   EXPECT_NEAR(posed.T_map_laser.x_m, 10.0, 1e-12);
   EXPECT_NEAR(posed.T_map_laser.y_m, 8.0, 1e-12);
+}
+
+TEST(PosedScan, LosesTheSystematicErrorOfItsRanges) {
+  PoseEstimate pose;
+  pose.range_offset_m = 0.25;
+  LaserScan scan;
+  scan.ranges_m = {2.0F, std::numeric_limits<float>::infinity()};
+  EXPECT_THAT(posedScan(scan, pose).scan.ranges_m,
+              testing::ElementsAre(1.75F, std::numeric_limits<float>::infinity()));
 }
 
 TEST(PosedScan, HeadingErrorShiftsASensorInFrontOfTheVehicle) {
   PoseEstimate pose;
   pose.T_map_base = {10.0, 5.0, 0.4};
   pose.relative_covariance = Eigen::Vector3d(0.0016, 0.0016, 0.0001).asDiagonal();
-  ScanEvent event;
-  event.T_base_laser = {3.0, 0.0, 0.0};
-  const PosedScan posed = posedScan(event, pose);
+  pose.T_base_sensor = {3.0, 0.0, 0.0};
+  const PosedScan posed = posedScan(LaserScan(), pose);
   EXPECT_NEAR(posed.pose_deviation_m, std::sqrt(0.0016 + 9.0 * 0.0001), 1e-12);
   EXPECT_NEAR(posed.heading_deviation_rad, 0.01, 1e-12);
 }

@@ -1,0 +1,220 @@
+#include "nodes/hymm_grid_node.h"
+
+#include <chrono>
+#include <limits>
+
+#include "ros/filter_conversions.h"
+#include "ros/grid_conversions.h"
+#include "ros/map_conversions.h"
+#include "ros/sensor_conversions.h"
+#include "ros/steady_time.h"
+
+namespace hymm {
+namespace {
+
+constexpr std::uint32_t kUnbounded = 0;  // ScanPairing bounds, and counts what it drops
+constexpr auto kPatience = std::chrono::milliseconds(20);
+constexpr double kSilence_s = 1.0;  // without scans: time to draw the whole map
+
+}  // namespace
+
+HymmGridNode::HymmGridNode(const core::HymmGridConfig& config, const core::VehicleConfig& vehicle)
+    : config_(config),
+      vehicle_(vehicle),
+      tf_listener_(tf_),
+      mapper_(config),
+      sample_placer_(tf_, vehicle.map_frame, config.sample_wait_s, causes_),
+      agreement_(std::numeric_limits<double>::quiet_NaN()),
+      output_(handle_, config, vehicle.map_frame, mapper_, mutex_, calls_) {
+  subscribe<sensor_msgs::LaserScan>("scan");
+  subscribe<FilterPose>("cekf/pose");
+  subscribe<LandmarkUpdate>("landmark_updates");
+  subscribe<LandmarkMap>("landmarks");
+  subscribe<PropertySample>("property_samples");
+  advertiseServices();
+  call_spinner_.start();
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("dense map", this, &HymmGridNode::diagnose);
+  diagnostics_timer_ = handle_.createSteadyTimer(
+      ros::WallDuration(1.0),
+      [this](const ros::SteadyTimerEvent&) { diagnostics_.force_update(); });
+  step_wall_s_ = steadyNow();
+  worker_ = std::thread(&HymmGridNode::work, this);
+}
+
+HymmGridNode::~HymmGridNode() {
+  call_spinner_.stop();
+  working_ = false;
+  worker_.join();
+}
+
+template <class Message>
+void HymmGridNode::subscribe(const std::string& topic) {
+  const boost::function<void(const boost::shared_ptr<const Message>&)> take_it =
+      [this](const boost::shared_ptr<const Message>& message) { take(message); };
+  subscribers_.push_back(handle_.subscribe<Message>(topic, kUnbounded, take_it, ros::VoidConstPtr(),
+                                                    ros::TransportHints().tcpNoDelay()));
+}
+
+void HymmGridNode::take(const sensor_msgs::LaserScan::ConstPtr& message) {
+  const std::lock_guard<std::mutex> lock(inputs_mutex_);
+  pairing_.add(message);
+  arrived_.notify_one();
+}
+
+void HymmGridNode::take(const FilterPose::ConstPtr& message) {
+  const std::lock_guard<std::mutex> lock(inputs_mutex_);
+  pairing_.add(message, steadyNow());
+  arrived_.notify_one();
+}
+
+void HymmGridNode::take(const LandmarkUpdate::ConstPtr& message) {
+  const std::lock_guard<std::mutex> lock(inputs_mutex_);
+  pairing_.add(message);
+  arrived_.notify_one();
+}
+
+void HymmGridNode::take(const LandmarkMap::ConstPtr& message) {
+  const std::lock_guard<std::mutex> lock(inputs_mutex_);
+  pairing_.add(message);
+  arrived_.notify_one();
+}
+
+void HymmGridNode::take(const PropertySample::ConstPtr& message) {
+  const std::lock_guard<std::mutex> lock(inputs_mutex_);
+  samples_.push_back(message);
+  arrived_.notify_one();
+}
+
+void HymmGridNode::work() {
+  try {
+    workOn();
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM("The dense map cannot go on: " << error.what());
+    ros::shutdown();
+  }
+}
+
+void HymmGridNode::workOn() {
+  while (working_) {
+    const std::optional<PairedScan> paired = waitForScan();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (paired) process(*paired);
+    placeSamples();
+    publishIfDue();
+  }
+}
+
+std::optional<PairedScan> HymmGridNode::waitForScan() {
+  const bool has_scans = subscribers_.front().getNumPublishers() > 0;
+  std::unique_lock<std::mutex> lock(inputs_mutex_);
+  std::optional<PairedScan> paired = pairing_.next(steadyNow(), has_scans);
+  if (!paired) {
+    arrived_.wait_for(lock, kPatience);
+    paired = pairing_.next(steadyNow(), has_scans);
+  }
+  return paired;
+}
+
+void HymmGridNode::process(const PairedScan& paired) {
+  core::MappedScan step;
+  step.update = fromMessage(*paired.update);
+  step.pose.map_version = step.update.version;
+  if (paired.map) step.map = std::make_shared<const core::LandmarkMap>(fromMessage(*paired.map));
+  if (paired.pose) {
+    if (filter_resets_ && *filter_resets_ != paired.pose->resets) beginAnew();
+    filter_resets_ = paired.pose->resets;
+    step.pose = fromMessage(*paired.pose);
+    last_pose_ = step.pose;
+    stamp_ = paired.pose->header.stamp;
+  }
+  if (paired.scan) {
+    step.scan = fromMessage(*paired.scan);
+    last_scan_ = step.scan;
+  }
+  if (paused_ && step.scan) {
+    step.scan.reset();
+    causes_.count("scans while paused", "Scans are not written while the node is paused.");
+  }
+  tell(mapper_.process(step), paired);
+  step_wall_s_ = steadyNow();
+  is_settled_ = false;
+}
+
+void HymmGridNode::tell(const core::MappedOutcome& outcome, const PairedScan& paired) {
+  if (outcome.agreement) agreement_ = outcome.agreement->correlation;
+  if (!outcome.follows) {
+    causes_.count("landmarks missing", "Scans are not written: " + outcome.reason + ".");
+  } else if (!outcome.written && paired.scan && !paused_) {
+    causes_.count("scans not written", "A scan is not written: " + outcome.reason + ".");
+  }
+  if (outcome.topology) output_.publishLtrs(stamp_);
+  if (!paired.pose) return;
+  const double time_s = stamp_.toSec();
+  GridStatus message = status();
+  message.for_log = log_due_.takeIfDue(time_s);
+  if (status_due_.takeIfDue(time_s) || message.for_log) output_.publishStatus(message, stamp_);
+}
+
+void HymmGridNode::beginAnew() {
+  ROS_WARN("The filter began a new map; the dense map begins anew with it.");
+  mapper_.reset();
+  sample_placer_.clear();
+  tf_.clear();
+  agreement_ = std::numeric_limits<double>::quiet_NaN();
+  last_scan_.reset();
+  output_.reset();
+}
+
+void HymmGridNode::placeSamples() {
+  const double now_s = steadyNow();
+  {
+    const std::lock_guard<std::mutex> lock(inputs_mutex_);
+    for (const PropertySample::ConstPtr& sample : samples_) sample_placer_.add(sample, now_s);
+    samples_.clear();
+  }
+  for (const core::PropertySample& sample : sample_placer_.takePlaced(now_s)) write(sample);
+}
+
+void HymmGridNode::write(const core::PropertySample& sample) {
+  const core::MapOutcome outcome = mapper_.insert(sample);
+  if (outcome.accepted) return;
+  causes_.count("samples refused for layer '" + sample.layer + "'",
+                "A property sample is refused: " + outcome.reason + ".");
+}
+
+void HymmGridNode::publishIfDue() {
+  const double now_s = steadyNow();
+  if (!is_settled_ && now_s - step_wall_s_ > kSilence_s) {
+    is_settled_ = true;
+    output_.publishLtrs(stamp_);
+    output_.publishWholeMap(stamp_, now_s);
+    output_.publishStatus(status(), stamp_);
+    publish_wall_s_ = now_s;
+  } else if (now_s - publish_wall_s_ > 1.0 / config_.publish_rate_hz) {
+    output_.publishChanges(stamp_, now_s);
+    publish_wall_s_ = now_s;
+  }
+}
+
+GridStatus HymmGridNode::status() const {
+  GridStatus status;
+  const core::HybridMap& map = mapper_.map();
+  fillMemory(core::memoryOf(map, stamp_.toSec()), status);
+  status.landmark_version = map.landmarkVersion();
+  status.scans = map.counts().scans;
+  status.uncertain_scans = mapper_.counts().not_written;
+  {
+    const std::lock_guard<std::mutex> lock(inputs_mutex_);
+    const ScanPairing::Counts& pairing = pairing_.counts();
+    status.lost_scans =
+        mapper_.counts().without_landmarks + pairing.missing_scans + pairing.dropped_scans;
+  }
+  status.samples = map.counts().samples;
+  status.refused_samples = map.counts().refused_samples;
+  status.agreement = agreement_;
+  status.cpu_s = mapper_.cpu_s() + output_.cpu_s();
+  return status;
+}
+
+}  // namespace hymm

@@ -1,0 +1,144 @@
+#include "ros/scan_pairing.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace hymm {
+namespace {
+
+constexpr std::size_t kMostWaiting = 5000;  // of each topic; a minute of a fast playback
+constexpr std::size_t kMostMaps = 20;       // large, and at most one a second of the recording
+constexpr double kPatience_s = 2.0;         // for what travels beside the pose
+constexpr double kMapPatience_s = 10.0;     // a whole map takes its time to be made
+
+template <class Queue>
+bool makeRoom(Queue& queue, std::size_t most) {
+  if (queue.size() < most) return false;
+  queue.pop_front();
+  return true;
+}
+
+}  // namespace
+
+void ScanPairing::add(const sensor_msgs::LaserScan::ConstPtr& scan) {
+  if (makeRoom(scans_, kMostWaiting)) {
+    ++counts_.overflows;
+    ++counts_.dropped_scans;
+  }
+  scans_.push_back(scan);
+}
+
+void ScanPairing::add(const FilterPose::ConstPtr& pose, double now_s) {
+  if (makeRoom(poses_, kMostWaiting)) ++counts_.overflows;
+  poses_.push_back({pose, now_s});
+}
+
+void ScanPairing::add(const LandmarkUpdate::ConstPtr& update) {
+  if (makeRoom(updates_, kMostWaiting)) ++counts_.overflows;
+  updates_.push_back(update);
+}
+
+void ScanPairing::add(const LandmarkMap::ConstPtr& map) {
+  makeRoom(maps_, kMostMaps);  // most are not announced, or used already
+  maps_.push_back(map);
+}
+
+std::optional<PairedScan> ScanPairing::next(double now_s, bool has_scans) {
+  while (!poses_.empty()) {
+    const FilterPose& pose = *poses_.front().pose;
+    const double waited_s = now_s - poses_.front().at_s;
+    if (pose.resets != resets_) {
+      resets_ = pose.resets;
+      forgetScansBeforeJump();
+    }
+    const Search update = findUpdate(waited_s > kPatience_s);
+    if (update == Search::kWaiting) return std::nullopt;
+    if (update == Search::kNone) {
+      ++counts_.missing_poses;
+      poses_.pop_front();
+      continue;
+    }
+    if (updates_.front()->version != pose.map_version) return takeLoneUpdate();
+
+    PairedScan paired{updates_.front(), poses_.front().pose, nullptr, nullptr};
+    if (paired.update->map_follows) {
+      const Search map = findMap(pose.map_version, waited_s > kMapPatience_s, paired.map);
+      if (map == Search::kWaiting) return std::nullopt;
+      if (map == Search::kNone) ++counts_.missing_maps;
+    }
+    const bool is_late = !has_scans || waited_s > kPatience_s;
+    const Search scan = findScan(pose.header.stamp, is_late, paired.scan);
+    if (scan == Search::kWaiting) return std::nullopt;
+    if (scan == Search::kNone && has_scans) ++counts_.missing_scans;
+    updates_.pop_front();
+    poses_.pop_front();
+    return paired;
+  }
+  return std::nullopt;
+}
+
+/// An update whose pose got lost: whoever follows the landmarks needs it all the same.
+std::optional<PairedScan> ScanPairing::takeLoneUpdate() {
+  ++counts_.missing_poses;
+  PairedScan alone{updates_.front(), nullptr, nullptr, nullptr};
+  findMap(alone.update->version, true, alone.map);
+  updates_.pop_front();
+  return alone;
+}
+
+/// Whether the update of the first pose is here; others may be before it.
+ScanPairing::Search ScanPairing::findUpdate(bool is_late) {
+  const FilterPose& pose = *poses_.front().pose;
+  const auto found = std::find_if(updates_.begin(), updates_.end(), [&](const auto& update) {
+    return update->version == pose.map_version && update->header.stamp == pose.header.stamp;
+  });
+  if (found != updates_.end()) return Search::kFound;
+  const bool was_passed = !updates_.empty() && updates_.front()->version > pose.map_version;
+  return is_late || was_passed ? Search::kNone : Search::kWaiting;
+}
+
+ScanPairing::Search ScanPairing::findMap(std::uint64_t version, bool is_late,
+                                         LandmarkMap::ConstPtr& map) {
+  const auto found = std::find_if(maps_.begin(), maps_.end(),
+                                  [&](const auto& held) { return held->version == version; });
+  if (found == maps_.end()) return is_late ? Search::kNone : Search::kWaiting;
+  map = *found;
+  maps_.erase(maps_.begin(), found + 1);
+  return Search::kFound;
+}
+
+ScanPairing::Search ScanPairing::findScan(const ros::Time& stamp, bool is_late,
+                                          sensor_msgs::LaserScan::ConstPtr& scan) {
+  const auto found = std::find_if(scans_.begin(), scans_.end(),
+                                  [&](const auto& held) { return held->header.stamp == stamp; });
+  if (found != scans_.end()) {
+    scan = *found;
+    counts_.unused_scans += static_cast<std::size_t>(found - scans_.begin());
+    scans_.erase(scans_.begin(), found + 1);
+    return Search::kFound;
+  }
+  const bool was_passed = std::any_of(scans_.begin(), scans_.end(),
+                                      [&](const auto& held) { return held->header.stamp > stamp; });
+  return is_late || was_passed ? Search::kNone : Search::kWaiting;
+}
+
+/// The filter began anew: if stamps ran back, what is left of the old recording is of no use.
+void ScanPairing::forgetScansBeforeJump() {
+  const auto jump = std::adjacent_find(scans_.rbegin(), scans_.rend(),
+                                       [](const auto& later, const auto& earlier) {
+                                         return later->header.stamp < earlier->header.stamp;
+                                       });
+  if (jump == scans_.rend()) return;
+  const auto first_new = jump.base() - 1;
+  counts_.unused_scans += static_cast<std::size_t>(first_new - scans_.begin());
+  scans_.erase(scans_.begin(), first_new);
+}
+
+void ScanPairing::clear() {
+  scans_.clear();
+  poses_.clear();
+  updates_.clear();
+  maps_.clear();
+}
+
+}  // namespace hymm

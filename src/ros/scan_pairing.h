@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include <hymm/FilterPose.h>
+#include <hymm/LandmarkMap.h>
+#include <hymm/LandmarkUpdate.h>
+#include <sensor_msgs/LaserScan.h>
+
+namespace hymm {
+
+/// What came of one scan on four topics.
+struct PairedScan {
+  LandmarkUpdate::ConstPtr update;        ///< always
+  FilterPose::ConstPtr pose;              ///< null: it got lost; nothing but the update counts
+  LandmarkMap::ConstPtr map;              ///< of the update's version, if it was announced
+  sensor_msgs::LaserScan::ConstPtr scan;  ///< null: it did not come, or there is none
+};
+
+/// Brings together what belongs to one scan: itself, the filter's pose of it, what changed of the
+/// landmarks, and the whole landmark map where the update announces one; by stamp and version,
+/// whatever the order in which the topics bring them. Each topic by itself is in order. What does
+/// not come within a few seconds is given up and counted; buffers are bounded. Times are of any
+/// clock that runs with the wall.
+class ScanPairing {
+ public:
+  struct Counts {
+    std::size_t unused_scans = 0;   ///< without a pose: the filter refused them
+    std::size_t missing_scans = 0;  ///< poses whose scan did not come
+    std::size_t missing_maps = 0;   ///< announced, but they did not come
+    std::size_t missing_poses = 0;  ///< updates without a pose, or poses without an update
+    std::size_t overflows = 0;      ///< messages dropped from full buffers
+    std::size_t dropped_scans = 0;  ///< scans among them
+  };
+
+  void add(const sensor_msgs::LaserScan::ConstPtr& scan);
+  void add(const FilterPose::ConstPtr& pose, double now_s);
+  void add(const LandmarkUpdate::ConstPtr& update);
+  void add(const LandmarkMap::ConstPtr& map);
+
+  /// The next scan of which all has come, or is given up. `has_scans`: whether anybody publishes
+  /// any; else none is waited for.
+  std::optional<PairedScan> next(double now_s, bool has_scans);
+
+  /// Forgets all that waits.
+  void clear();
+
+  std::size_t waiting() const { return poses_.size(); }
+  const Counts& counts() const { return counts_; }
+
+ private:
+  struct Arrived {
+    FilterPose::ConstPtr pose;
+    double at_s;
+  };
+  enum class Search { kFound, kWaiting, kNone };
+
+  std::optional<PairedScan> takeLoneUpdate();
+  Search findUpdate(bool is_late);
+  Search findMap(std::uint64_t version, bool is_late, LandmarkMap::ConstPtr& map);
+  Search findScan(const ros::Time& stamp, bool is_late, sensor_msgs::LaserScan::ConstPtr& scan);
+  void forgetScansBeforeJump();
+
+  std::deque<sensor_msgs::LaserScan::ConstPtr> scans_;
+  std::deque<Arrived> poses_;
+  std::deque<LandmarkUpdate::ConstPtr> updates_;
+  std::deque<LandmarkMap::ConstPtr> maps_;
+  std::uint64_t resets_ = 0;  ///< of the filter, as of the last pose
+  Counts counts_;
+};
+
+}  // namespace hymm

@@ -1,0 +1,236 @@
+#!/usr/bin/python3
+"""Wiring of the node hymm_grid: the map appears, answers, is exported, outlives a kill, begins anew
+with the filter, and counts what it cannot use."""
+import math
+import os
+import signal
+import sys
+import tempfile
+import time
+import unittest
+import xmlrpc.client
+from pathlib import Path
+
+import rosgraph
+import rospy
+import rostest
+import yaml
+from diagnostic_msgs.msg import DiagnosticArray
+from hymm.msg import GridStatus, LtrGrid, LtrMap, PropertySample
+from hymm.srv import ExportMap, MatchScan, Pause, QueryProperty
+from map_msgs.msg import OccupancyGridUpdate
+from nav_msgs.msg import MapMetaData, OccupancyGrid
+from nav_msgs.srv import GetMap
+
+sys.path.insert(0, os.path.dirname(__file__))
+from nodes_test import Robot  # noqa: E402
+
+POLES = [(x, y) for x in range(8, 60, 7) for y in (-6.0, 5.0)]
+LASER_X = 3.78
+SCAN_STEP = 0.2  # m: two steps of 0.1 s at 1 m/s
+
+
+class GridTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("grid_test")
+        cls.ltrs, cls.maps, cls.updates, cls.grids, cls.metadata = [], [], [], [], []
+        cls.states, cls.diagnostics = [], {}
+        rospy.Subscriber("ltrs", LtrMap, cls.ltrs.append)
+        rospy.Subscriber("map", OccupancyGrid, cls.maps.append)
+        rospy.Subscriber("map_updates", OccupancyGridUpdate, cls.updates.append)
+        rospy.Subscriber("map_metadata", MapMetaData, cls.metadata.append)
+        rospy.Subscriber("ltr_grids", LtrGrid, cls.grids.append)
+        rospy.Subscriber("grid_status", GridStatus, cls.states.append)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, cls.diagnose)
+        cls.samples = rospy.Publisher("property_samples", PropertySample, queue_size=100)
+        cls.robot = Robot()
+        while cls.robot.scans.get_num_connections() < 2 or cls.samples.get_num_connections() < 1:
+            time.sleep(0.05)
+        cls.x = 0.0
+        cls.drive(60)
+
+    @classmethod
+    def diagnose(cls, message):
+        for status in message.status:
+            if status.name == "hymm_grid: dense map":
+                cls.diagnostics = {item.key: item.value for item in status.values}
+
+    @classmethod
+    def drive(cls, scans):
+        for _ in range(scans):
+            cls.x += 0.5 * SCAN_STEP
+            laser = cls.x + LASER_X
+            near = [(x - laser, y) for x, y in POLES if 0.5 < x - laser < 25.0]
+            cls.robot.drive_with(cls.robot.scan(poles=near))
+            cls.x += 0.5 * SCAN_STEP
+
+    def wait_for(self, condition, what):
+        deadline = time.time() + 15.0
+        while not condition():
+            self.assertLess(time.time(), deadline, "waited in vain for " + what)
+            time.sleep(0.05)
+
+    def query(self, layer, x, y):
+        position = PropertySample().position
+        position.x, position.y = x, y
+        return rospy.ServiceProxy("query_property", QueryProperty)(layer=layer, position=position)
+
+    def place_inside(self):
+        """A place of which an LTR knows something: the vehicle has driven there."""
+        return self.x - 4.0, 0.3
+
+    def test_map_appears_with_its_triangles(self):
+        self.wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs")
+        self.wait_for(lambda: self.maps and 0 in self.maps[-1].data and 100 > max(
+            self.maps[-1].data) > 50, "a map with free and occupied cells")
+        self.assertAlmostEqual(self.maps[-1].info.resolution, 0.2, places=6)
+        self.assertEqual(self.maps[-1].header.frame_id, "map")
+        self.wait_for(lambda: self.metadata, "map_metadata")
+        self.wait_for(lambda: self.grids, "ltr_grids")
+        self.wait_for(lambda: self.states and self.states[-1].scans >= 50, "scans in grid_status")
+        self.assertEqual(self.states[-1].lost_scans, 0)
+
+    def test_only_what_changed_is_sent(self):
+        self.wait_for(lambda: self.maps, "a map")
+        time.sleep(1.5)  # the whole map follows a silence
+        del self.grids[:], self.updates[:]
+        self.drive(1)
+        self.wait_for(lambda: self.updates, "an update of the map")
+        whole = self.maps[-1].info.width * self.maps[-1].info.height
+        self.assertLess(sum(len(update.data) for update in self.updates), whole)
+        self.wait_for(lambda: self.grids, "grids")
+        self.assertLessEqual(len({grid.ltr for grid in self.grids}), len(self.ltrs[-1].ltrs))
+
+    def test_new_subscriber_gets_all_grids_and_the_map(self):
+        self.wait_for(lambda: self.grids, "a grid")
+        known = {ltr.id for ltr in self.ltrs[-1].ltrs if ltr.observations > 0.0}
+        grids, maps = [], []
+        late = [rospy.Subscriber("/ltr_grids", LtrGrid, grids.append),
+                rospy.Subscriber("/map", OccupancyGrid, maps.append)]
+        self.wait_for(lambda: known <= {grid.ltr for grid in grids}, "all grids")
+        self.wait_for(lambda: maps, "the map")
+        for subscriber in late:
+            subscriber.unregister()
+        grid = grids[0]
+        rows = (math.ceil(grid.alpha_cells * (grid.beta_cells - j) / grid.beta_cells)
+                for j in range(grid.beta_cells))
+        self.assertEqual(len(grid.cells), grid.channels * sum(rows))
+
+    def test_property_is_found_where_it_was_measured(self):
+        sample = PropertySample(layer="salinity", value=0.31, variance=0.01,
+                                position_covariance=[0.001, 0.0, 0.0, 0.001])
+        sample.header.frame_id = "map"
+        sample.header.stamp = rospy.Time.from_sec(self.robot.time_s)
+        sample.position.x, sample.position.y = self.place_inside()
+        self.samples.publish(sample)
+        self.wait_for(lambda: self.query("salinity", *self.place_inside()).known, "the sample")
+        answer = self.query("salinity", *self.place_inside())
+        self.assertTrue(answer.success)
+        self.assertAlmostEqual(answer.value, 0.31, places=5)
+        self.assertEqual(answer.model, "gaussian")
+        free = self.query("occupancy", *self.place_inside())
+        self.assertTrue(free.known)
+        self.assertLess(free.value, 0.5)
+
+    def test_queries_that_cannot_be_answered_say_why(self):
+        unknown = self.query("sallinity", 5.0, 0.0)
+        self.assertFalse(unknown.success)
+        self.assertIn("salinity, terrain", unknown.message)
+        self.assertIn("No LTR", self.query("occupancy", 5000.0, 0.0).message)
+        self.assertIn("finite", self.query("occupancy", float("nan"), 0.0).message)
+
+    def test_export_gives_back_the_cells(self):
+        self.wait_for(lambda: self.maps, "a map")
+        time.sleep(1.5)  # so that it is the whole map, drawn anew
+        cells = self.maps[-1]
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "park")
+            service = rospy.ServiceProxy("export_map", ExportMap)
+            answer = service(format="pgm", path=path)
+            self.assertTrue(answer.success, answer.message)
+            told = yaml.safe_load(Path(path + ".yaml").read_text())
+            magic, size, depth, pixels = Path(folder, told["image"]).read_bytes().split(b"\n", 3)
+            self.assertEqual((magic, depth), (b"P5", b"255"))
+            width, height = (int(word) for word in size.split())
+            self.assertEqual((width, height), (cells.info.width, cells.info.height))
+            self.assertAlmostEqual(told["origin"][0], cells.info.origin.position.x)
+            for y in range(height):
+                for x in range(width):
+                    pixel = pixels[(height - 1 - y) * width + x]  # the image's first row is the top
+                    share = (255 - pixel) / 255.0
+                    read = 100 if share > told["occupied_thresh"] else (
+                        0 if share < told["free_thresh"] else -1)
+                    percent = cells.data[y * width + x]
+                    expected = -1 if percent < 0 else 100 if percent > 65 else (
+                        0 if percent < 19.6 else -1)
+                    self.assertEqual(read, expected, (x, y))
+            answer = service(format="octomap", path=os.path.join(folder, "park.bt"))
+            self.assertTrue(answer.success, answer.message)
+            self.assertTrue(Path(folder, "park.bt").read_bytes().startswith(b"# Octomap OcTree bin"))
+        for bad in ({"format": "tiff", "path": "/tmp/a"}, {"format": "pgm", "path": "a"},
+                    {"format": "pgm", "path": "/no/such/folder/a"}):
+            answer = service(**bad)
+            self.assertFalse(answer.success)
+            self.assertNotEqual(answer.message, "")
+
+    def test_dynamic_map_and_matching_answer(self):
+        self.wait_for(lambda: self.maps, "a map")
+        cells = rospy.ServiceProxy("dynamic_map", GetMap)().map
+        self.assertEqual(len(cells.data), cells.info.width * cells.info.height)
+        self.assertGreater(len(cells.data), 0)
+        answer = rospy.ServiceProxy("match_scan", MatchScan)()
+        if answer.success:
+            self.assertLess(abs(answer.pose.pose.position.x - self.x), 0.5)
+        else:
+            self.assertNotEqual(answer.message, "")
+
+    def count_of(self, cause):
+        return sum(int(value) for key, value in self.diagnostics.items() if cause in key)
+
+    def test_bad_samples_are_counted(self):
+        for layer, value, frame in (("sallinity", 0.3, "map"), ("salinity", float("nan"), "map"),
+                                    ("salinity", 0.3, "nowhere")):
+            sample = PropertySample(layer=layer, value=value, variance=0.01)
+            sample.header.frame_id = frame
+            sample.header.stamp = rospy.Time.from_sec(self.robot.time_s)
+            sample.position.x, sample.position.y = self.place_inside()
+            self.samples.publish(sample)
+        self.wait_for(lambda: self.count_of("layer 'sallinity'") == 1, "an unknown layer")
+        self.wait_for(lambda: self.count_of("layer 'salinity'") == 1, "a value that is no number")
+        self.wait_for(lambda: self.count_of("'nowhere'") == 1, "an unknown frame")
+
+    def test_paused_node_writes_no_scans(self):
+        pause = rospy.ServiceProxy("hymm_grid/pause", Pause)
+        self.assertTrue(pause(pause=True).success)
+        self.drive(5)
+        self.wait_for(lambda: self.count_of("scans while paused") >= 5, "scans that are not written")
+        self.assertTrue(pause(pause=False).success)
+
+    def test_zz_killed_node_recovers(self):
+        self.wait_for(lambda: self.ltrs, "LTRs")
+        uri = rosgraph.Master("/grid_test").lookupNode("/hymm_grid")
+        pid = xmlrpc.client.ServerProxy(uri).getPid("/grid_test")[2]
+        os.kill(pid, signal.SIGKILL)
+        self.wait_for(lambda: rosgraph.Master("/grid_test").lookupNode("/hymm_grid") != uri,
+                      "the node's return")
+        self.wait_for(lambda: self.robot.scans.get_num_connections() == 2, "its subscription")
+        time.sleep(1.0)
+        del self.ltrs[:], self.maps[:], self.states[:]
+        self.drive(25)
+        self.wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs again")
+        self.wait_for(lambda: self.maps and 0 in self.maps[-1].data, "a map again")
+        self.wait_for(lambda: self.states and self.states[-1].scans > 0, "scans again")
+
+    def test_zzz_begins_anew_with_the_filter(self):
+        self.wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs")
+        before = self.ltrs[-1].landmark_version
+        self.robot.time_s -= 100.0
+        type(self).x = 0.0
+        self.drive(8)
+        self.wait_for(lambda: self.ltrs[-1].landmark_version > before and not self.ltrs[-1].ltrs,
+                      "a map without LTRs")
+
+
+if __name__ == "__main__":
+    rostest.rosrun("hymm", "grid", GridTest)

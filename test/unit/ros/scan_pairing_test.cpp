@@ -1,0 +1,174 @@
+#include "ros/scan_pairing.h"
+
+#include <boost/make_shared.hpp>
+#include <gtest/gtest.h>
+
+namespace hymm {
+namespace {
+
+/// Messages of the scan at `second`, whose map version is `version`.
+sensor_msgs::LaserScan::ConstPtr scanAt(double second) {
+  auto scan = boost::make_shared<sensor_msgs::LaserScan>();
+  scan->header.stamp = ros::Time(second);
+  return scan;
+}
+
+FilterPose::ConstPtr poseAt(double second, std::uint64_t version, std::uint64_t resets = 0) {
+  auto pose = boost::make_shared<FilterPose>();
+  pose->header.stamp = ros::Time(second);
+  pose->map_version = version;
+  pose->resets = resets;
+  return pose;
+}
+
+LandmarkUpdate::ConstPtr updateAt(double second, std::uint64_t version, bool map_follows = false) {
+  auto update = boost::make_shared<LandmarkUpdate>();
+  update->header.stamp = ros::Time(second);
+  update->since_version = version - 1;
+  update->version = version;
+  update->map_follows = map_follows;
+  return update;
+}
+
+LandmarkMap::ConstPtr mapOf(std::uint64_t version) {
+  auto map = boost::make_shared<LandmarkMap>();
+  map->version = version;
+  return map;
+}
+
+TEST(ScanPairing, BringsTogetherWhateverTheOrderOfArrival) {
+  for (int first = 0; first < 3; ++first) {
+    SCOPED_TRACE(first);
+    ScanPairing pairing;
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_FALSE(pairing.next(0.0, true).has_value());
+      const int which = (first + i) % 3;
+      if (which == 0) pairing.add(scanAt(5.0));
+      if (which == 1) pairing.add(poseAt(5.0, 7), 0.0);
+      if (which == 2) pairing.add(updateAt(5.0, 7));
+    }
+    const std::optional<PairedScan> paired = pairing.next(0.0, true);
+    ASSERT_TRUE(paired.has_value());
+    EXPECT_EQ(paired->scan->header.stamp, ros::Time(5.0));
+    EXPECT_EQ(paired->pose->map_version, 7u);
+    EXPECT_EQ(paired->update->version, 7u);
+    EXPECT_EQ(paired->map, nullptr);
+    EXPECT_FALSE(pairing.next(0.0, true).has_value());
+  }
+}
+
+TEST(ScanPairing, WaitsForAWholeMapThatIsAnnounced) {
+  ScanPairing pairing;
+  pairing.add(scanAt(5.0));
+  pairing.add(poseAt(5.0, 7), 0.0);
+  pairing.add(updateAt(5.0, 7, true));
+  pairing.add(mapOf(6));  // not this one
+  EXPECT_FALSE(pairing.next(3.0, true).has_value());
+  pairing.add(mapOf(7));
+  EXPECT_EQ(pairing.next(3.0, true)->map->version, 7u);
+}
+
+TEST(ScanPairing, GivesUpAWholeMapThatDoesNotCome) {
+  ScanPairing pairing;
+  pairing.add(scanAt(5.0));
+  pairing.add(poseAt(5.0, 7), 0.0);
+  pairing.add(updateAt(5.0, 7, true));
+  EXPECT_FALSE(pairing.next(9.0, true).has_value());
+  const std::optional<PairedScan> paired = pairing.next(11.0, true);
+  ASSERT_TRUE(paired.has_value());
+  EXPECT_EQ(paired->map, nullptr);
+  EXPECT_NE(paired->scan, nullptr);
+  EXPECT_EQ(pairing.counts().missing_maps, 1u);
+}
+
+TEST(ScanPairing, WaitsForNoScanWhereThereAreNone) {
+  ScanPairing pairing;
+  pairing.add(poseAt(5.0, 7), 0.0);
+  pairing.add(updateAt(5.0, 7));
+  EXPECT_FALSE(pairing.next(1.0, true).has_value());
+  const std::optional<PairedScan> paired = pairing.next(1.0, false);
+  ASSERT_TRUE(paired.has_value());
+  EXPECT_EQ(paired->scan, nullptr);
+  EXPECT_EQ(pairing.counts().missing_scans, 0u);
+}
+
+TEST(ScanPairing, AScanThatALaterOneHasPassedWillNotCome) {
+  ScanPairing pairing;
+  pairing.add(scanAt(5.2));
+  pairing.add(poseAt(5.0, 7), 0.0);
+  pairing.add(updateAt(5.0, 7));
+  EXPECT_EQ(pairing.next(0.0, true)->scan, nullptr);
+  EXPECT_EQ(pairing.counts().missing_scans, 1u);
+  pairing.add(poseAt(5.2, 8), 0.0);
+  pairing.add(updateAt(5.2, 8));
+  EXPECT_NE(pairing.next(0.0, true)->scan, nullptr);
+}
+
+TEST(ScanPairing, CountsScansThatTheFilterRefused) {
+  ScanPairing pairing;
+  for (const double second : {5.0, 5.2, 5.4}) pairing.add(scanAt(second));
+  pairing.add(poseAt(5.4, 7), 0.0);
+  pairing.add(updateAt(5.4, 7));
+  EXPECT_EQ(pairing.next(0.0, true)->scan->header.stamp, ros::Time(5.4));
+  EXPECT_EQ(pairing.counts().unused_scans, 2u);
+}
+
+TEST(ScanPairing, HandsOnAnUpdateWhosePoseGotLost) {
+  ScanPairing pairing;
+  pairing.add(updateAt(5.0, 7));
+  pairing.add(updateAt(5.2, 8));
+  pairing.add(scanAt(5.2));
+  pairing.add(poseAt(5.2, 8), 0.0);
+  const std::optional<PairedScan> alone = pairing.next(0.0, true);
+  ASSERT_TRUE(alone.has_value());
+  EXPECT_EQ(alone->update->version, 7u);
+  EXPECT_EQ(alone->pose, nullptr);
+  EXPECT_EQ(pairing.next(0.0, true)->pose->map_version, 8u);
+  EXPECT_EQ(pairing.counts().missing_poses, 1u);
+}
+
+TEST(ScanPairing, LeavesOutAPoseWhoseUpdateGotLost) {
+  ScanPairing pairing;
+  pairing.add(poseAt(5.0, 7), 0.0);
+  pairing.add(poseAt(5.2, 8), 0.0);
+  pairing.add(scanAt(5.0));
+  pairing.add(scanAt(5.2));
+  pairing.add(updateAt(5.2, 8));
+  EXPECT_EQ(pairing.next(0.0, true)->pose->map_version, 8u);
+  EXPECT_EQ(pairing.counts().missing_poses, 1u);
+}
+
+TEST(ScanPairing, AFilterThatWasStartedAnewIsFollowedAgain) {
+  ScanPairing pairing;
+  pairing.add(updateAt(90.0, 400));  // the last word of the one before
+  pairing.add(poseAt(90.2, 1), 0.0);
+  pairing.add(updateAt(90.2, 1));
+  pairing.add(scanAt(90.2));
+  EXPECT_EQ(pairing.next(0.0, true)->update->version, 400u);
+  const std::optional<PairedScan> paired = pairing.next(0.0, true);
+  ASSERT_TRUE(paired.has_value());
+  EXPECT_EQ(paired->pose->map_version, 1u);
+}
+
+TEST(ScanPairing, ScansOfTheRecordingBeforeDoNotPassThoseOfTheNext) {
+  ScanPairing pairing;
+  pairing.add(scanAt(90.0));  // refused by the filter: without a pose
+  pairing.add(scanAt(5.0));
+  pairing.add(scanAt(5.2));
+  pairing.add(poseAt(5.0, 9, 1), 0.0);
+  pairing.add(updateAt(5.0, 9));
+  EXPECT_EQ(pairing.next(0.0, true)->scan->header.stamp, ros::Time(5.0));
+  pairing.add(poseAt(5.2, 10, 1), 0.0);
+  pairing.add(updateAt(5.2, 10));
+  EXPECT_EQ(pairing.next(0.0, true)->scan->header.stamp, ros::Time(5.2));
+}
+
+TEST(ScanPairing, MemoryIsBoundedAndDropsAreCounted) {
+  ScanPairing pairing;
+  for (int i = 0; i < 6000; ++i) pairing.add(scanAt(1.0 + 0.1 * i));
+  EXPECT_EQ(pairing.counts().dropped_scans, 1000u);
+  EXPECT_EQ(pairing.counts().overflows, 1000u);
+}
+
+}  // namespace
+}  // namespace hymm
