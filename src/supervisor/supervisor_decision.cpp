@@ -6,12 +6,12 @@ namespace {
 /// A change of mode, or none.
 struct Transition {
   FilterMode mode;
-  SupervisorAction action = SupervisorAction::kNone;
+  SupervisorAction action = SupervisorAction::kNothing;
   std::string why;  ///< a sentence
 };
 
 Transition stay(FilterMode mode, const std::string& why = {}) {
-  return {mode, SupervisorAction::kNone, why};
+  return {mode, SupervisorAction::kNothing, why};
 }
 
 Transition attempt(const std::string& why) {

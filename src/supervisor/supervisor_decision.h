@@ -50,7 +50,7 @@ struct RelocaliserEvidence {
 };
 
 /// What came of handing a pose back to the CEKF.
-enum class ResumeOutcome { kNone, kAccepted, kRefused };
+enum class ResumeOutcome { kNotTried, kAccepted, kRefused };
 
 /// What the decision rests on, at one moment.
 struct SupervisorEvidence {
@@ -60,7 +60,7 @@ struct SupervisorEvidence {
   bool new_scan = false;  ///< whether `scan` has not been judged before
   ScanEvidence scan;      ///< the CEKF's last
   std::optional<RelocaliserEvidence> relocaliser;  ///< nothing: it does not run
-  ResumeOutcome resume = ResumeOutcome::kNone;
+  ResumeOutcome resume = ResumeOutcome::kNotTried;
   std::optional<FilterMode> requested;  ///< by an operator: kCekf or kRelocalising
   bool odometry_known = true;           ///< whether tf tells odom -> base_link at the last pose
   std::string odometry_problem;         ///< if not: what tf says
@@ -87,7 +87,7 @@ struct SupervisorState {
 
 /// What has to be done now, once.
 enum class SupervisorAction {
-  kNone,
+  kNothing,
   kBeginRelocalising,     ///< from the last scan in good order
   kResumeClosing,         ///< hand the relocaliser's pose back to the CEKF
   kResumeWithoutClosing,  ///< the CEKF goes on from where it was in good order
@@ -96,7 +96,7 @@ enum class SupervisorAction {
 struct SupervisorDecision {
   FilterMode mode = FilterMode::kInitialising;
   SupervisorState state;  ///< for the next decision; its mode is `mode`
-  SupervisorAction action = SupervisorAction::kNone;
+  SupervisorAction action = SupervisorAction::kNothing;
   bool silent = false;            ///< the filter in charge gives no poses
   bool without_odometry = false;  ///< map -> odom cannot follow it
   std::string reason;

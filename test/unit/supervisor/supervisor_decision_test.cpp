@@ -200,7 +200,7 @@ TEST(SupervisorDecision, CountsAScanOnceHoweverOftenItIsAsked) {
 TEST(SupervisorDecision, SaysThatNoRelocaliserRunsThatCouldHelp) {
   const SupervisorDecision decision = afterScans(stateIn(FilterMode::kCekf), ambiguous(), 50);
   EXPECT_EQ(decision.mode, FilterMode::kCekf);
-  EXPECT_EQ(decision.action, SupervisorAction::kNone);
+  EXPECT_EQ(decision.action, SupervisorAction::kNothing);
   EXPECT_THAT(decision.reason, AllOf(HasSubstr("ambiguous"), HasSubstr("No relocaliser runs")));
 }
 
@@ -217,7 +217,7 @@ TEST(SupervisorDecision, ReturnsWhenTheCekfHasTakenThePose) {
   const SupervisorDecision decision =
       computeDecision(stateIn(FilterMode::kRelocalising, 2), evidence, {});
   EXPECT_EQ(decision.mode, FilterMode::kCekf);
-  EXPECT_EQ(decision.action, SupervisorAction::kNone);
+  EXPECT_EQ(decision.action, SupervisorAction::kNothing);
   EXPECT_EQ(decision.state.attempts, 0);
 }
 
@@ -324,7 +324,7 @@ class EveryDecision : public ::testing::Test {
         for (const bool armed : {false, true}) {
           for (const int relocaliser : {0, 1, 2, 3}) {
             for (const auto resume :
-                 {ResumeOutcome::kNone, ResumeOutcome::kAccepted, ResumeOutcome::kRefused}) {
+                 {ResumeOutcome::kNotTried, ResumeOutcome::kAccepted, ResumeOutcome::kRefused}) {
               for (const int request : {0, 1, 2}) {
                 SupervisorEvidence evidence = doubtful ? ambiguous() : healthy();
                 if (!posed) evidence.pose_age_s.reset();
@@ -380,7 +380,7 @@ TEST_F(EveryDecision, ActsExactlyWhenItSwitchesAwayFromAFilterOrHandsBack) {
         EXPECT_FALSE(switches);
         EXPECT_TRUE(evidence.relocaliser && evidence.relocaliser->converged);
         break;
-      case SupervisorAction::kNone:
+      case SupervisorAction::kNothing:
         EXPECT_NE(switches, d.mode == state.mode || state.mode == FilterMode::kInitialising);
         EXPECT_FALSE(switches && d.mode == FilterMode::kRelocalising);
         break;
