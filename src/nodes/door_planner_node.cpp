@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "ros/grid_conversions.h"
 #include "ros/map_conversions.h"
 #include "ros/steady_time.h"
 

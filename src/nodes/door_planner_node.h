@@ -16,6 +16,7 @@
 #include <hymm/LandmarkMap.h>
 #include <hymm/LandmarkUpdate.h>
 #include <hymm/LtrGrid.h>
+#include <hymm/LtrMap.h>
 #include <hymm/PlanPath.h>
 #include <hymm/PlanPathAction.h>
 #include <nav_msgs/GetPlan.h>

@@ -41,22 +41,6 @@ geometry_msgs::Point pointOf(const Eigen::Vector2d& place) {
 
 }  // namespace
 
-std::vector<core::LtrTopology> fromMessage(const LtrMap& message) {
-  std::vector<core::LtrTopology> topology;
-  for (const Ltr& ltr : message.ltrs) {
-    core::LtrTopology added;
-    added.id = ltr.id;
-    std::copy(ltr.landmark_ids.begin(), ltr.landmark_ids.end(), added.landmark_ids.begin());
-    std::copy(ltr.neighbours.begin(), ltr.neighbours.end(), added.neighbours.begin());
-    added.alpha_cells = static_cast<int>(ltr.alpha_cells);
-    added.beta_cells = static_cast<int>(ltr.beta_cells);
-    added.observations = ltr.observations;
-    added.shape_factor = ltr.shape_factor;
-    topology.push_back(added);
-  }
-  return topology;
-}
-
 nav_msgs::Path pathMessage(const std::vector<Eigen::Vector2d>& path,
                            const std_msgs::Header& header) {
   nav_msgs::Path message;

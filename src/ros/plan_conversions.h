@@ -5,17 +5,13 @@
 #include <vector>
 
 #include <hymm/LevelSet.h>
-#include <hymm/LtrMap.h>
 #include <nav_msgs/Path.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include "door_planner/door_graph.h"
 #include "door_planner/plan.h"
-#include "hybrid_map/ltr_topology.h"
 
 namespace hymm {
-
-std::vector<core::LtrTopology> fromMessage(const LtrMap& message);
 
 /// Poses along the points, each heading for the next one.
 nav_msgs::Path pathMessage(const std::vector<Eigen::Vector2d>& path,
