@@ -51,7 +51,7 @@ World driveAround(unsigned seed) {
   config.detections.enabled = true;
   World world;
   world.truth = core::Simulation(config, core::simulatedCar(), seed).landmarks();
-  MapHistory history = simulatedHistory("park", 2, seed, 1000.0);
+  MapHistory history = simulatedHistory("park", 2, seed, 1000.0, 60.0);
   while (auto version = history.next()) world.map = std::move(version->map);
   return world;
 }

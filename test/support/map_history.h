@@ -50,7 +50,7 @@ class MapHistory {
 
 /// A drive through a simulated world whose landmarks are detected by the sensor itself.
 inline MapHistory simulatedHistory(const std::string& world, int laps, unsigned seed,
-                                   double block_range_m = 30.0) {
+                                   double block_range_m = 30.0, double period_s = 1.0) {
   core::SimulationConfig config;
   config.world.name = world;
   config.drive.laps = laps;
@@ -66,7 +66,7 @@ inline MapHistory simulatedHistory(const std::string& world, int laps, unsigned 
     if (!simulated) return std::nullopt;
     return std::move(simulated->event);
   };
-  return MapHistory(source, filter, vehicle, 1.0, block_range_m);
+  return MapHistory(source, filter, vehicle, period_s, block_range_m);
 }
 
 }  // namespace hymm::test
