@@ -158,6 +158,13 @@ Posterior update(const Pose2& guess, const std::vector<Sighting>& sightings,
   return {x.head<3>(), posterior.topLeftCorner<3, 3>()};
 }
 
+/// Largest eigenvalue of dY P_v: P_v <= dY^-1 where it is at most 1.
+double excessOf(const Matrix3d& covariance, const Matrix3d& promised) {
+  const Matrix3d root = promised.llt().matrixL();
+  return Eigen::SelfAdjointEigenSolver<Matrix3d>(root.transpose() * covariance * root)
+      .eigenvalues()(2);
+}
+
 void run(unsigned seed, int poses) {
   const World world = driveAround(seed);
   core::InformationMapConfig config;
@@ -167,7 +174,9 @@ void run(unsigned seed, int poses) {
   const core::InformationMeasure measure(config.information.measure, config.information.length_m);
   const core::ExpectedSensor& sensor = config.information.sensor;
   core::RandomGenerator generator(seed);
-  std::puts("x,y,yaw,predicted,predicted_landmarks,gained,gained_landmarks,exceeds,nees");
+  std::puts(
+      "x,y,yaw,predicted,predicted_landmarks,gained,gained_landmarks,excess,excess_at_estimate,"
+      "nees");
   const auto& lattice = information.search().lattice();
   for (int i = 0; i < poses;) {
     const auto& around = world.map.landmarks[generator() % world.map.landmarks.size()].position;
@@ -187,16 +196,18 @@ void run(unsigned seed, int poses) {
     prior.diagonal() << 1.0 / std::pow(kPositionDeviation_m, 2),
         1.0 / std::pow(kPositionDeviation_m, 2), 1.0 / std::pow(kHeadingDeviation_rad, 2);
     const Matrix3d gained = posterior.covariance.inverse() - prior;
-    // P_v <= dY^-1 where no eigenvalue of dY P_v exceeds 1.
-    const Matrix3d root = predicted.matrix.llt().matrixL();
-    const double exceeds =
-        Eigen::SelfAdjointEigenSolver<Matrix3d>(root.transpose() * posterior.covariance * root)
-            .eigenvalues()(2);
+    // A few centimetres away, other landmarks may be certain: that is another promise.
+    const core::AchievableInformation at_estimate =
+        information.evaluate(Pose2::fromVector(posterior.mean));
+    const double excess_at_estimate = at_estimate.landmarks == predicted.landmarks
+                                          ? excessOf(posterior.covariance, at_estimate.matrix)
+                                          : std::nan("");
     Eigen::Vector3d error = posterior.mean - pose.vector();
     error.z() = core::wrapAngle(error.z());
-    std::printf("%.3f,%.3f,%.4f,%.6g,%d,%.6g,%zu,%.6g,%.6g\n", pose.x_m, pose.y_m, pose.yaw_rad,
-                predicted.value, predicted.landmarks, measure.of(gained), sightings.size(), exceeds,
-                error.dot(posterior.covariance.inverse() * error));
+    std::printf("%.3f,%.3f,%.4f,%.6g,%d,%.6g,%zu,%.6g,%.6g,%.6g\n", pose.x_m, pose.y_m,
+                pose.yaw_rad, predicted.value, predicted.landmarks, measure.of(gained),
+                sightings.size(), excessOf(posterior.covariance, predicted.matrix),
+                excess_at_estimate, error.dot(posterior.covariance.inverse() * error));
   }
 }
 

@@ -147,8 +147,8 @@ void run(const core::InformationMapConfig& config, MapHistory& history, int chan
 
 int main(int argc, char** argv) {
   if (argc != 6) return fail();
-  core::InformationMapConfig config;
   const core::SuiteConfig suite = loadSuite(argv[1]);
+  const core::InformationMapConfig& config = suite.information_map;
   const std::string source = argv[2];
   const int changes = std::atoi(argv[3]), compare_every = std::atoi(argv[4]);
   if (changes < 1 || compare_every < 1) return fail();
