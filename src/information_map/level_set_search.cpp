@@ -16,7 +16,8 @@ constexpr int kEdge = LevelLattice::kTileEdge;
 
 /// Edge of the blocks that a fill from scratch starts with, and spacing of samples inside the sets
 /// [cells].
-constexpr int kBlock = 8;
+constexpr int kBlockBits = 3;
+constexpr int kBlock = 1 << kBlockBits;
 
 /// Of a cell: motions of landmarks below it are added up, not acted on.
 constexpr double kMotionTolerance = 0.02;
@@ -116,8 +117,8 @@ void LevelSetSearch::fillSurroundings(const Vector2d& vehicle) {
   for (int i = 0; i < field_->size(); ++i) {
     const Cell low = lattice_.cellAt(field_->position(i) - Vector2d::Constant(reach_m_));
     const Cell high = lattice_.cellAt(field_->position(i) + Vector2d::Constant(reach_m_));
-    for (std::int32_t y = low.y >> 3; y <= high.y >> 3; ++y) {
-      for (std::int32_t x = low.x >> 3; x <= high.x >> 3; ++x) {
+    for (std::int32_t y = low.y >> kBlockBits; y <= high.y >> kBlockBits; ++y) {
+      for (std::int32_t x = low.x >> kBlockBits; x <= high.x >> kBlockBits; ++x) {
         to_fill_.push_back({x * kBlock, y * kBlock});
       }
     }

@@ -26,6 +26,7 @@ RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConf
     : vehicle_(vehicle),
       writer_(config.output),
       grid_(config.output),
+      level_sets_(config.output),
       gps_(vehicle.gps_antenna.T_base_sensor().position()),
       mode_(FilterStatus::INITIALISING),
       begin_wall_s_(steadyNow()) {
@@ -38,6 +39,7 @@ RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConf
       handle_.subscribe("gps/fix", kUnbounded, &RecorderNode::takeGps, this, hints),
       handle_.subscribe("filter_status", kUnbounded, &RecorderNode::takeStatus, this, hints)};
   grid_.subscribe(handle_);
+  level_sets_.subscribe(handle_);
   save_timer_ = handle_.createSteadyTimer(ros::WallDuration(config.save_period_s),
                                           [this](const ros::SteadyTimerEvent&) { save(); });
 }
@@ -167,6 +169,7 @@ core::RunTotals RecorderNode::totals() const {
 void RecorderNode::save() {
   try {
     grid_.write();
+    level_sets_.write();
     writer_.save(landmarks_.map(), totals());
   } catch (const core::OutputError& error) {  // perhaps there will be room again at the end
     causes_.count("not saved", std::string("Results cannot be saved: ") + error.what());
@@ -177,6 +180,7 @@ void RecorderNode::finish() {
   save_timer_.stop();
   write(std::numeric_limits<double>::infinity());
   grid_.write();
+  level_sets_.write();
   writer_.finish(landmarks_.map(), totals());
 }
 

@@ -23,6 +23,7 @@
 #include "ros/gps_converter.h"
 #include "ros/grid_record.h"
 #include "ros/landmark_mirror.h"
+#include "ros/level_set_record.h"
 #include "vehicle/vehicle_config.h"
 
 namespace hymm {
@@ -66,6 +67,7 @@ class RecorderNode {
   core::VehicleConfig vehicle_;
   core::ResultsWriter writer_;
   GridRecord grid_;
+  LevelSetRecord level_sets_;
   CauseLog causes_;
   GpsConverter gps_;
   LandmarkMirror landmarks_;

@@ -110,6 +110,24 @@ LevelSet toMessage(const core::LevelSets& sets, const core::LevelSet& set, bool 
   return message;
 }
 
+core::LevelSet fromMessage(const LevelSet& message) {
+  core::LevelSet set;
+  set.value = message.value;
+  set.area_m2 = message.area;
+  set.vehicle_island = message.vehicle_island;
+  // Numbers of the message are single; those of the lattice are multiples of half its squares.
+  const auto onLattice = [&](float coordinate) {
+    const double half = 0.5 * message.resolution;
+    return half > 0.0 ? std::round(static_cast<double>(coordinate) / half) * half
+                      : static_cast<double>(coordinate);
+  };
+  for (const LevelSetLeaf& leaf : message.leaves) {
+    set.leaves.push_back(
+        {{onLattice(leaf.x), onLattice(leaf.y)}, onLattice(leaf.edge), leaf.island});
+  }
+  return set;
+}
+
 ExplorationGoal toMessage(const core::ExplorationGoal& goal) {
   ExplorationGoal message;
   message.goal.x = goal.T_map_base.x_m;

@@ -16,6 +16,9 @@ namespace hymm {
 LevelSet toMessage(const core::LevelSets& sets, const core::LevelSet& set, bool complete,
                    const std::string& frame_id);
 
+/// Value, area and leaves of a set.
+core::LevelSet fromMessage(const LevelSet& message);
+
 ExplorationGoal toMessage(const core::ExplorationGoal& goal);
 
 /// The borders of the sets, a colour for each value (namespace `border`), and the islands' ids
