@@ -12,7 +12,7 @@ namespace hymm::benchmarks {
 FlatGrid::FlatGrid(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double resolution_m,
                    const core::OccupancyConfig& config)
     : config_(config),
-      low_(low),
+      low_((low / resolution_m).array().floor() * resolution_m),
       cells_per_m_(1.0 / resolution_m),
       width_(static_cast<int>(std::ceil((high - low).x() / resolution_m))),
       height_(static_cast<int>(std::ceil((high - low).y() / resolution_m))),
@@ -23,6 +23,17 @@ FlatGrid::FlatGrid(const Eigen::Vector2d& low, const Eigen::Vector2d& high, doub
       cells_(std::size_t(width_) * std::size_t(height_), 0.0F) {}
 
 void FlatGrid::clear() { std::fill(cells_.begin(), cells_.end(), 0.0F); }
+
+core::OccupancyImage FlatGrid::image() const {
+  core::OccupancyImage image;
+  image.resolution_m = 1.0 / cells_per_m_;
+  image.corner = (low_ * cells_per_m_).array().round().cast<int>();
+  image.width = width_;
+  image.height = height_;
+  image.cells.resize(cells_.size());
+  std::transform(cells_.begin(), cells_.end(), image.cells.begin(), core::occupancyPercent);
+  return image;
+}
 
 std::size_t FlatGrid::insert(const core::LaserScan& scan, const core::Pose2& T_map_laser) {
   std::size_t beams = 0;

@@ -6,6 +6,7 @@
 
 #include "common/pose2.h"
 #include "hybrid_map/hybrid_map_config.h"
+#include "hybrid_map/occupancy_image.h"
 #include "perception/laser_scan.h"
 
 namespace hymm::benchmarks {
@@ -21,11 +22,13 @@ class FlatGrid {
   std::size_t insert(const core::LaserScan& scan, const core::Pose2& T_map_laser);
   void clear();
 
+  core::OccupancyImage image() const;
+
  private:
   void writeBeam(const Eigen::Vector2d& from, const Eigen::Vector2d& to, bool hits);
 
   core::OccupancyConfig config_;
-  Eigen::Vector2d low_;
+  Eigen::Vector2d low_;  ///< a whole number of cells from the origin
   double cells_per_m_;
   int width_, height_;
   float hit_, miss_, least_, most_;

@@ -37,7 +37,11 @@ class Experiment:
 
     def run_test_program(self, program, *arguments):
         """The same with a program that was built with the tests."""
-        return self._call(self._build / "tests" / program, *arguments)
+        return self._call(self.test_program(program), *arguments)
+
+    def test_program(self, name):
+        """Where a program that was built with the tests is."""
+        return self._build / "tests" / name
 
     def tool(self, name):
         """Where a tool of the package is."""

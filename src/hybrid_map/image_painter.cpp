@@ -26,6 +26,17 @@ struct Span {
   }
 };
 
+/// Takes note of an occupied cell by its middle in map.
+void addSpot(const Eigen::Vector2d& middle, float log_odds, const ImageTiles& tiles,
+             const OccupancyImage& image, std::vector<OccupiedSpot>& spots) {
+  const Eigen::Array2i cell =
+      (middle / image.resolution_m).array().floor().cast<int>() - image.corner.array();
+  const Eigen::Array2i size(image.width, image.height);
+  if ((cell < 0).any() || (cell >= size).any()) return;
+  if (!tiles.has(cell.x() / ImageTiles::kCells, cell.y() / ImageTiles::kCells)) return;
+  spots.push_back({image.index(cell.x(), cell.y()), occupancyPercent(log_odds)});
+}
+
 }  // namespace
 
 void paintLtr(const TriangularGrid& grid, const Triangle& triangle, const float* log_odds,
@@ -51,18 +62,25 @@ void paintLtr(const TriangularGrid& grid, const Triangle& triangle, const float*
 void findOccupied(const TriangularGrid& grid, const Triangle& triangle, const float* log_odds,
                   const ImageTiles& tiles, const OccupancyImage& image,
                   std::vector<OccupiedSpot>& spots) {
-  const Eigen::Array2i size(image.width, image.height);
   for (int j = 0; j < grid.betaCells(); ++j) {
     for (int i = 0; i < grid.rowLength(j); ++i, ++log_odds) {
       if (*log_odds <= 0.0F) continue;
       Triangle::Local middle((i + 0.5) / grid.alphaCells(), (j + 0.5) / grid.betaCells());
       // Of a cell at the third side, the middle of what lies inside.
       middle.array() -= 0.5 * std::max(0.0, middle.sum() - 1.0);
-      const Eigen::Array2d place = triangle.toGlobal(middle).array() / image.resolution_m;
-      const Eigen::Array2i cell = place.floor().cast<int>() - image.corner.array();
-      if ((cell < 0).any() || (cell >= size).any()) continue;
-      if (!tiles.has(cell.x() / ImageTiles::kCells, cell.y() / ImageTiles::kCells)) continue;
-      spots.push_back({image.index(cell.x(), cell.y()), occupancyPercent(*log_odds)});
+      addSpot(triangle.toGlobal(middle), *log_odds, tiles, image, spots);
+    }
+  }
+}
+
+void findOccupied(const WaitingSquare& square, const ImageTiles& tiles, const OccupancyImage& image,
+                  std::vector<OccupiedSpot>& spots) {
+  const float* log_odds = square.log_odds;
+  for (int j = 0; j < square.edge; ++j) {
+    for (int i = 0; i < square.edge; ++i, ++log_odds) {
+      if (*log_odds <= 0.0F) continue;
+      const Eigen::Vector2d middle = square.resolution_m * Eigen::Vector2d(i + 0.5, j + 0.5);
+      addSpot(square.T_map_cells * middle, *log_odds, tiles, image, spots);
     }
   }
 }

@@ -34,6 +34,10 @@ struct WaitingSquare {
   const float* log_odds = nullptr;
 };
 
+/// Those that are occupied, as findOccupied().
+void findOccupied(const WaitingSquare& square, const ImageTiles& tiles, const OccupancyImage& image,
+                  std::vector<OccupiedSpot>& spots);
+
 /// Adds their log-odds to those of the cells of a part of an image, row by row.
 void addSquare(const WaitingSquare& square, const ImagePatch& part, const OccupancyImage& image,
                std::vector<float>& log_odds);

@@ -196,13 +196,16 @@ void MapImage::drawWaiting(const HybridMap& map, const ImageTiles& tiles) {
     }
   });
   std::vector<float> log_odds, buffer;
+  std::vector<OccupiedSpot> occupied;
   for (const auto& [at, squares] : above) {
     const ImagePatch patch = ImageTiles::patchOf(at.first, at.second);
     log_odds.assign(std::size_t(patch.width) * std::size_t(patch.height), 0.0F);
     for (const WaitingTile& tile : squares) {
       const std::vector<float>& content = tile.cells->peek(LayerSet::kOccupancy, buffer);
-      addSquare({tile.T_map_cells, tile.resolution_m, WaitingTile::kCells, content.data()}, patch,
-                image_, log_odds);
+      const WaitingSquare square{tile.T_map_cells, tile.resolution_m, WaitingTile::kCells,
+                                 content.data()};
+      addSquare(square, patch, image_, log_odds);
+      findOccupied(square, tiles, image_, occupied);
     }
     for (int y = 0; y < patch.height; ++y) {
       const auto row = log_odds.begin() + std::ptrdiff_t{y} * patch.width;
@@ -210,6 +213,11 @@ void MapImage::drawWaiting(const HybridMap& map, const ImageTiles& tiles) {
                      image_.cells.begin() + std::ptrdiff_t(image_.index(patch.x, patch.y + y)),
                      occupancyPercent);
     }
+  }
+  // Cells of several sheets over one place seldom coincide: what one of them is sure is occupied
+  // stands, or a thin wall would be averaged away.
+  for (const OccupiedSpot& spot : occupied) {
+    image_.cells[spot.index] = std::max(image_.cells[spot.index], spot.percent);
   }
 }
 

@@ -1,0 +1,329 @@
+// A simulated drive with the filter and the dense map behind it, beside a plain global grid that is
+// fed with the same scans at the same estimated poses. Prints, as JSON, how well both agree with
+// the truth after each lap and around the largest correction; writes pictures of both (pgm).
+//
+//   map_closure WORLD LAPS SEED OUTPUT CONFIG_FOLDER CONFIG...
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "benchmark/flat_grid.h"
+#include "cekf/map_schedule.h"
+#include "hybrid_map/map_export.h"
+#include "hybrid_map/map_image.h"
+#include "pipeline/grid_files.h"
+#include "pipeline/grid_mapper.h"
+#include "pipeline/suite_config.h"
+#include "simulation/simulation.h"
+
+namespace hymm::core {
+namespace {
+
+constexpr double kResolution_m = 0.2;
+constexpr const char* kLayer = "salinity";
+constexpr double kReach_m = 60.0;  // around the true world, that the peer's array covers
+
+struct Options {
+  std::string world;
+  int laps = 0;
+  std::uint64_t seed = 0;
+  std::string output;
+  SuiteConfig config;
+};
+
+/// Whether cells are occupied, over the box of the true world.
+struct Occupied {
+  explicit Occupied(const TrueOccupancy& truth)
+      : truth_(truth), corner_((truth.origin / truth.resolution_m).array().round().cast<int>()) {
+    cells_.assign(truth.occupied.size(), false);
+  }
+  void set(int x, int y) {
+    if (isInside(x, y)) cells_[index(x, y)] = true;
+  }
+  void setAt(const Eigen::Vector2d& place) {
+    const Eigen::Array2d cell = (place / truth_.resolution_m).array().floor();
+    set(static_cast<int>(cell.x()) - corner_.x(), static_cast<int>(cell.y()) - corner_.y());
+  }
+  bool at(int x, int y) const { return isInside(x, y) && cells_[index(x, y)]; }
+  bool around(int x, int y) const {
+    for (int j = y - 1; j <= y + 1; ++j) {
+      for (int i = x - 1; i <= x + 1; ++i) {
+        if (at(i, j)) return true;
+      }
+    }
+    return false;
+  }
+  int width() const { return truth_.width; }
+  int height() const { return truth_.height; }
+  const Eigen::Vector2i& corner() const { return corner_; }
+
+ private:
+  bool isInside(int x, int y) const {
+    return x >= 0 && y >= 0 && x < truth_.width && y < truth_.height;
+  }
+  std::size_t index(int x, int y) const {
+    return std::size_t(y) * std::size_t(truth_.width) + std::size_t(x);
+  }
+  const TrueOccupancy& truth_;
+  Eigen::Vector2i corner_;
+  std::vector<bool> cells_;
+};
+
+/// Share of the cells of `some` that have one of `others` within one cell.
+double shareNear(const Occupied& some, const Occupied& others) {
+  int count = 0, near = 0;
+  for (int y = 0; y < some.height(); ++y) {
+    for (int x = 0; x < some.width(); ++x) {
+      if (!some.at(x, y)) continue;
+      ++count;
+      near += others.around(x, y) ? 1 : 0;
+    }
+  }
+  return count > 0 ? static_cast<double>(near) / count : 0.0;
+}
+
+class Drive {
+ public:
+  explicit Drive(const Options& options)
+      : options_(options),
+        simulation_(simulationOf(options), options.config.vehicle, options.seed),
+        truth_(simulation_.occupancy(kResolution_m)),
+        standing_(truth_),
+        seen_(truth_),
+        filter_(options.config.cekf_slam, options.config.vehicle),
+        schedule_(options.config.cekf_slam),
+        mapper_(options.config.hymm_grid),
+        image_(MapImageConfig{}),
+        flat_(truth_.origin.array() - kReach_m, highOf(truth_).array() + kReach_m, kResolution_m,
+              options.config.hymm_grid.map.occupancy) {
+    for (int y = 0; y < truth_.height; ++y) {
+      for (int x = 0; x < truth_.width; ++x) {
+        const std::size_t i = std::size_t(y) * std::size_t(truth_.width) + std::size_t(x);
+        if (truth_.occupied[i]) standing_.set(x, y);
+      }
+    }
+  }
+
+  /// Drives on to the next scan; false at the end.
+  bool next() {
+    while (auto simulated = simulation_.next()) {
+      const auto outcome = filter_.process(simulated->event);
+      if (!outcome || !outcome->accepted) continue;
+      const auto* scan = std::get_if<ScanEvent>(&simulated->event);
+      if (scan == nullptr) continue;
+      take(*scan, *outcome, simulated->T_map_base);
+      return true;
+    }
+    return false;
+  }
+
+  double correction_m() const { return correction_m_; }
+  double time_s() const { return time_s_; }
+  double progress() const { return simulation_.progress(); }
+
+  /// A figure a line, as JSON: `"PREFIX_NAME": value,`.
+  void report(const std::string& prefix) {
+    image_.update(mapper_.map());
+    const Occupied ours = occupiedOf(image_.image()), flat = occupiedOf(flat_.image());
+    print(prefix + "_precision", shareNear(ours, standing_));
+    print(prefix + "_recall", shareNear(seen_, ours));
+    print(prefix + "_flat_precision", shareNear(flat, standing_));
+    print(prefix + "_flat_recall", shareNear(seen_, flat));
+    print(prefix + "_position_error_m", position_error_m_);
+    print(prefix + "_time_s", time_s_);
+    print(prefix + "_ltrs", double(mapper_.map().partition().mesh().aliveCount()));
+    reportProperty(prefix);
+    const std::filesystem::path folder(options_.output);
+    exportPgm(image_.image(), folder / (prefix + "_ltrs"));
+    exportPgm(flat_.image(), folder / (prefix + "_flat"));
+  }
+
+  void writeMemory() const { std::cerr << memory_.text(); }
+
+ private:
+  static SimulationConfig simulationOf(const Options& options) {
+    SimulationConfig config;
+    config.world.name = options.world;
+    config.drive.laps = options.laps;
+    return config;
+  }
+  static Eigen::Vector2d highOf(const TrueOccupancy& truth) {
+    return truth.origin + truth.resolution_m * Eigen::Vector2d(truth.width, truth.height);
+  }
+  static void print(const std::string& name, double value) {
+    std::cout << "  \"" << name << "\": " << value << ",\n";
+  }
+
+  void take(const ScanEvent& scan, const ScanOutcome& outcome, const Pose2& T_map_base_true) {
+    time_s_ = outcome.pose.time_s;
+    correction_m_ = outcome.largest_correction_m;
+    position_error_m_ = (outcome.pose.T_map_base.position() - T_map_base_true.position()).norm();
+    MappedScan mapped;
+    mapped.pose = outcome.pose;
+    mapped.update = filter_.takeUpdate();
+    mapped.scan = scan;
+    const bool corrected = filter_.counts().map_corrections > corrections_;
+    corrections_ = filter_.counts().map_corrections;
+    if (schedule_.isDue(time_s_, corrected)) {
+      schedule_.note(time_s_);
+      mapped.map = std::make_shared<const LandmarkMap>(
+          filter_.landmarkMap(options_.config.cekf_slam.landmark_block_range_m));
+    }
+    const MappedOutcome mapping = mapper_.process(mapped);
+    if (mapping.topology) filter_.pinLandmarks(time_s_, mapper_.map().pinnedLandmarks());
+    if (mapping.written) {
+      const PosedScan posed = posedScan(scan, outcome.pose);
+      flat_.insert(posed.scan, posed.T_map_laser);
+      noteSeen(scan, T_map_base_true * scan.T_base_laser);
+    }
+    if (memory_.isDue(time_s_)) memory_.add(memoryOf(mapper_.map(), time_s_));
+    if (simulation_.progress() * options_.laps > 0.7 && !sampled_) {
+      sample(outcome.pose.T_map_base, T_map_base_true);
+    }
+  }
+
+  /// What stands and was hit, so that a map can know it.
+  void noteSeen(const ScanEvent& event, const Pose2& T_map_laser) {
+    const LaserScan& scan = event.scan;
+    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+      const auto range = static_cast<double>(scan.ranges_m[i]);
+      if (!(range >= scan.range_min_m &&
+            range <= options_.config.hymm_grid.map.occupancy.range_m)) {
+        continue;
+      }
+      const double bearing = T_map_laser.yaw_rad + scan.bearing(i);
+      const Eigen::Vector2d end =
+          T_map_laser.position() + range * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
+      const Eigen::Array2i cell =
+          (end / kResolution_m).array().floor().cast<int>() - standing_.corner().array();
+      if (standing_.at(cell.x(), cell.y())) seen_.set(cell.x(), cell.y());
+    }
+  }
+
+  Occupied occupiedOf(const OccupancyImage& image) const {
+    Occupied occupied(truth_);
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        if (trinaryOccupancy(image.at(x, y)) > 0) occupied.setAt(image.centre(x, y));
+      }
+    }
+    return occupied;
+  }
+
+  /// A property of the ground 5 m ahead, measured from the vehicle.
+  void sample(const Pose2& T_map_base, const Pose2& T_map_base_true) {
+    const Eigen::Vector2d place = T_map_base * Eigen::Vector2d(5.0, 0.0);
+    if (mapper_.map().partition().mesh().locate(place) == kNone) return;  // later, in an LTR
+    sampled_ = T_map_base_true * Eigen::Vector2d(5.0, 0.0);
+    PropertySample sample;
+    sample.layer = kLayer;
+    sample.position = place;
+    sample.sample.value = 35.0;
+    sample.sample.variance = 0.01;
+    if (!mapper_.insert(sample).accepted) std::exit(1);
+    sample_error_m_ = (sample.position - *sampled_).norm();
+  }
+
+  /// How far from its true place the property is found now.
+  void reportProperty(const std::string& prefix) const {
+    if (!sampled_) return;
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (double x = -5.0; x <= 5.0; x += 0.05) {
+      for (double y = -5.0; y <= 5.0; y += 0.05) {
+        const Eigen::Vector2d off(x, y);
+        if (off.norm() >= nearest_m) continue;
+        const LayerQuery answer = mapper_.map().query(kLayer, *sampled_ + off);
+        if (answer.value) nearest_m = off.norm();
+      }
+    }
+    print(prefix + "_property_error_m", std::isfinite(nearest_m) ? nearest_m : -1.0);
+    print(prefix + "_property_error_when_written_m", sample_error_m_);
+  }
+
+  const Options& options_;
+  Simulation simulation_;
+  TrueOccupancy truth_;
+  Occupied standing_, seen_;
+  CekfSlam filter_;
+  MapSchedule schedule_;
+  GridMapper mapper_;
+  MapImage image_;
+  benchmarks::FlatGrid flat_;
+  MapMemoryLog memory_;
+  std::size_t corrections_ = 0;
+  double time_s_ = 0.0, correction_m_ = 0.0, position_error_m_ = 0.0, sample_error_m_ = 0.0;
+  std::optional<Eigen::Vector2d> sampled_;  ///< its true place
+};
+
+/// When the largest correction comes.
+double closureTime(const Options& options) {
+  Drive drive(options);
+  double largest_m = 0.0, time_s = 0.0;
+  while (drive.next()) {
+    if (drive.correction_m() <= largest_m) continue;
+    largest_m = drive.correction_m();
+    time_s = drive.time_s();
+  }
+  std::cout << "  \"largest_correction_m\": " << largest_m << ",\n";
+  return time_s;
+}
+
+void run(const Options& options) {
+  constexpr double kSettled_s = 10.0;  // the correction comes in several steps
+  const double closure_s = closureTime(options);
+  Drive drive(options);
+  int laps = 0;
+  bool before = false, after = false;
+  while (drive.next()) {
+    if (!before && drive.time_s() > closure_s - 1.0) {
+      drive.report("before");
+      before = true;
+    } else if (!after && drive.time_s() > closure_s + kSettled_s) {
+      drive.report("after");
+      after = true;
+    }
+    if (drive.progress() * options.laps >= laps + 1) drive.report("lap_" + std::to_string(++laps));
+  }
+  drive.report("end");
+  drive.writeMemory();
+}
+
+Options parsed(int argc, char** argv) {
+  if (argc < 6)
+    throw std::runtime_error("usage: map_closure WORLD LAPS SEED OUTPUT CONFIG_FOLDER CONFIG...");
+  Options options;
+  options.world = argv[1];
+  options.laps = std::atoi(argv[2]);
+  options.seed = static_cast<std::uint64_t>(std::atoi(argv[3]));
+  options.output = argv[4];
+  const std::string folder = argv[5];
+  ConfigReport report;
+  options.config = loadSuiteConfig(std::vector<std::string>(argv + 6, argv + argc), report,
+                                   [folder] { return folder; });
+  report.throwIfUnusable();
+  options.config.hymm_grid.map.resolution_m = kResolution_m;
+  options.config.hymm_grid.map.layers = std::string(kLayer) + " gaussian";
+  return options;
+}
+
+}  // namespace
+}  // namespace hymm::core
+
+int main(int argc, char** argv) {
+  try {
+    const hymm::core::Options options = hymm::core::parsed(argc, argv);
+    std::cout << "{\n";
+    hymm::core::run(options);
+    std::cout << "  \"seed\": " << options.seed << "\n}\n";
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "map_closure: " << error.what() << '\n';
+    return 1;
+  }
+}
