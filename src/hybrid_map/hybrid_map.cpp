@@ -28,7 +28,8 @@ class HybridMap::Impl {
         layers_(config.layers, config.day_parts, ignored_problems_),
         partition_(config.partition),
         writer_(config, layers_),
-        scan_writer_(config.occupancy, partition_) {}
+        scan_writer_(config.occupancy, partition_),
+        traffic_(config.traffic, layers_, ignored_problems_) {}
 
   MapOutcome apply(const LandmarkMap& map) {
     ++counts_.landmark_maps;
@@ -61,6 +62,7 @@ class HybridMap::Impl {
     ++counts_.scans;
     ++revision_;
     writer_.begin(posed.T_map_laser.position(), landmarks_, revision_);
+    if (traffic_.isOn()) countTraffic(posed);
     counts_.beams += scan_writer_.write(posed.scan, posed.T_map_laser, writer_);
     packBeyond(posed.T_map_laser.position());
     counts_.dropped_waiting_tiles += writer_.waiting().dropBeyondLimit();
@@ -181,6 +183,22 @@ class HybridMap::Impl {
            std::to_string(version_) + ", which is held";
   }
 
+  void countTraffic(const PosedScan& posed) {
+    const int edge = std::max(1, static_cast<int>(traffic_.square_m() / config_.resolution_m));
+    const double step = traffic_.square_m() / edge;
+    const auto take = [&](const Eigen::Vector2d& centre, const LayerSample& sample) {
+      for (int j = 0; j < edge; ++j) {
+        for (int i = 0; i < edge; ++i) {
+          const Eigen::Vector2d off(i + 0.5 - 0.5 * edge, j + 0.5 - 0.5 * edge);
+          writer_.addSample(partition_, traffic_.layer(), centre + step * off, sample, 1.0);
+        }
+      }
+    };
+    counts_.moving_objects += traffic_.look(
+        posed.scan, posed.T_map_laser, config_.occupancy.range_m, config_.resolution_m,
+        [this](const Eigen::Vector2d& place) { return occupancyLogOdds(place); }, take);
+  }
+
   /// Once a tenth of the radius is driven; in between hardly anything comes to lie beyond.
   void packBeyond(const Eigen::Vector2d& place) {
     if (packed_from_ && (*packed_from_ - place).norm() < 0.1 * config_.active_radius_m) return;
@@ -255,6 +273,7 @@ class HybridMap::Impl {
   LtrPartition partition_;
   LayerWriter writer_;
   ScanWriter scan_writer_;
+  TrafficCounter traffic_;
   std::uint64_t version_ = 0;
   std::uint64_t revision_ = 0;
   std::optional<Eigen::Vector2d> packed_from_;  ///< where the vehicle was when cells were packed

@@ -70,6 +70,7 @@ class HybridMap {
     std::size_t landmark_maps = 0, landmark_updates = 0, refused_landmarks = 0;
     std::size_t scans = 0, refused_scans = 0, beams = 0;
     std::size_t samples = 0, refused_samples = 0;
+    std::size_t moving_objects = 0;  ///< squares of the traffic layer, by period
     std::size_t ltrs_created = 0, ltrs_retired = 0;
     std::size_t dropped_waiting_tiles = 0;  ///< observations lost for want of memory
   };

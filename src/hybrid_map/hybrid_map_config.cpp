@@ -45,6 +45,7 @@ void HybridMapConfig::describe(ConfigSchema& schema) {
   schema.group("occupancy", occupancy);
   schema.group("partition", partition);
   schema.group("waiting", waiting);
+  schema.group("traffic", traffic);
 }
 
 double HybridMapConfig::activeMemory_mb() const {
@@ -64,6 +65,7 @@ std::vector<std::string> HybridMapConfig::problems() const {
   copy.describe(schema);
   std::vector<std::string> problems = rangeProblems(schema);
   const LayerSet set(layers, day_parts, problems);
+  TrafficCounter(traffic, set, problems);
   if (partition.min_side_m > partition.max_side_m) {
     problems.emplace_back("partition.min_side_m: is greater than partition.max_side_m.");
   }

@@ -5,6 +5,7 @@
 
 #include "common/config.h"
 #include "hybrid_map/partition_config.h"
+#include "hybrid_map/traffic_counter.h"
 #include "hybrid_map/waiting_tiles.h"
 
 namespace hymm::core {
@@ -34,6 +35,7 @@ struct HybridMapConfig {
   OccupancyConfig occupancy;
   PartitionConfig partition;
   WaitingConfig waiting;
+  TrafficConfig traffic;
 
   void describe(ConfigSchema& schema);
 
