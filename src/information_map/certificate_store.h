@@ -34,6 +34,7 @@ class CertificateStore {
     float unsampled = 0.0F;   ///< change of landmarks since `changed` was sampled
     float settled_at = 0.0F;  ///< of moved_m, when losses were last let go
     bool is_touched = false;  ///< by the last change of the map
+    bool is_dirty = true;     ///< levels in or beside it changed since its borders were looked over
     bool lets_go = false;     ///< of kept losses, since landmarks moved by a cell
   };
 

@@ -75,7 +75,7 @@ LevelSetUpdate LevelSetSearch::update(std::shared_ptr<const LandmarkField> field
   explore();
   spread();
 
-  outcome.is_complete = mayEvaluate() && to_fill_.empty();
+  was_complete_ = outcome.is_complete = mayEvaluate() && to_fill_.empty();
   for (std::deque<Cell>& queue : queues_) queue.clear();  // found again: they are borders
   motion_.reset();
   outcome.evaluations = evaluations() - evaluations_before_;
@@ -243,7 +243,12 @@ void LevelSetSearch::sampleTile(int tile) {
 void LevelSetSearch::queueBorders(const Vector2d& vehicle) {
   certificates_.resize(lattice_.tileCount());
   const int vehicle_island = islands_.front().islandOf(lattice_, lattice_.cellAt(vehicle));
-  for (int tile = 0; tile < lattice_.tileCount(); ++tile) queueTile(tile, vehicle_island);
+  for (int tile = 0; tile < lattice_.tileCount(); ++tile) {
+    CertificateStore::Tile& of_tile = certificates_.tile(tile);
+    if (was_complete_ && !of_tile.is_touched && !of_tile.is_dirty) continue;
+    of_tile.is_dirty = false;
+    queueTile(tile, vehicle_island);
+  }
 }
 
 /// Borders and samples whose evaluation does not hold; other evaluations are forgotten.
@@ -386,8 +391,10 @@ void LevelSetSearch::evaluateAndSettle(const Cell& cell, Priority priority) {
     changes_[std::size_t(level - 1)].gained_m2 += lattice_.cellArea_m2();
   }
   lattice_.set(cell, measured);
+  certificates_.tile(tileOf(cell)).is_dirty = true;
   for (const Cell& step : LevelLattice::kNeighbours) {
     const Cell neighbour{cell.x + step.x, cell.y + step.y};
+    certificates_.tile(tileOf(neighbour)).is_dirty = true;
     if (lattice_.level(neighbour) != measured && !holds(neighbour)) {
       queues_[priority].push_back(neighbour);
     }

@@ -105,6 +105,7 @@ class LevelSetSearch {
   std::shared_ptr<const LandmarkField> field_;
 
   std::size_t budget_;
+  bool was_complete_ = false;  ///< the update before
   std::vector<Cell> to_fill_;  ///< first cells of blocks; the last one is next
   // Of the update that is going on:
   std::size_t evaluations_before_ = 0;

@@ -25,6 +25,7 @@ constexpr double kCell_m = 15.0;
 InformationConfig roundLooking() {
   InformationConfig config;
   config.sensor.range_m = 20.0;
+  config.sensor.min_range_m = 0.1;
   config.sensor.field_of_view_rad = 2.0 * kPi;
   return config;
 }
