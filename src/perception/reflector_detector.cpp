@@ -4,6 +4,29 @@
 #include <cmath>
 
 namespace hymm::core {
+namespace {
+
+/// How far before the centre of a pole the ranges of its bright beams end.
+struct Depth {
+  double mean_m;
+  double variance;  ///< m^2, from beam to beam
+};
+
+/// A beam whose middle meets a circle of radius R anywhere across its width ends R * pi / 4 before
+/// the centre on average, with a variance of R^2 (2/3 - pi^2 / 16). Where more is bright than the
+/// pole is wide, the other beams have the whole pole in their flank, and end at what shines most of
+/// it: the front.
+Depth depthOf(double diameter_m, double bright_width_m) {
+  const double radius_m = 0.5 * diameter_m;
+  const double met = std::min(1.0, diameter_m / bright_width_m);  // share of beams that meet it
+  const double across = kPi / 4.0;
+  const double variance_met = 2.0 / 3.0 - across * across;
+  const double variance_between = (1.0 - met) * (1.0 - across) * (1.0 - across);
+  return {radius_m * (met * across + 1.0 - met),
+          radius_m * radius_m * met * (variance_met + variance_between)};
+}
+
+}  // namespace
 
 ReflectorDetector::ReflectorDetector(const ReflectorConfig& config, const LaserNoise& noise)
     : config_(config), noise_(noise) {}
@@ -55,18 +78,15 @@ bool ReflectorDetector::isReflector(const BeamView& beams, const Cluster& cluste
 }
 
 Observation ReflectorDetector::toObservation(const BeamView& beams, const Cluster& cluster) const {
-  const double radius_m = 0.5 * config_.diameter_m;
   const double hits = cluster.hits();
-  // A beam that meets a circle of radius R anywhere across its width measures R * pi / 4 short of
-  // the centre on average, with a variance of R^2 (2/3 - pi^2 / 16).
-  const double depth_variance = radius_m * radius_m * (2.0 / 3.0 - kPi * kPi / 16.0);
+  const Depth depth = depthOf(config_.diameter_m, hits * beams.spacing() * cluster.nearest_m);
   Observation observation;
   observation.type = LandmarkType::kReflector;
-  observation.range_m = cluster.range_sum_m / hits + radius_m * kPi / 4.0;
+  observation.range_m = cluster.range_sum_m / hits + depth.mean_m;
   observation.bearing_rad = wrapAngle(beams.bearing(0.5 * (cluster.first + cluster.last)));
   observation.covariance.setZero();
   observation.covariance(0, 0) =
-      (noise_.range_noise_m * noise_.range_noise_m + depth_variance) / hits +
+      (noise_.range_noise_m * noise_.range_noise_m + depth.variance) / hits +
       std::pow(noise_.range_offset_deviation_m, 2);
   // Each edge of the bright part lies anywhere between two beams; the middle of the two has this
   // variance.

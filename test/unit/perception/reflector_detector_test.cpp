@@ -36,8 +36,10 @@ TEST(ReflectorDetector, FindsPoleFromBrightBeams) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].type, LandmarkType::kReflector);
   EXPECT_NEAR(found[0].bearing_rad, 0.5 * (scan.bearing(200) + scan.bearing(201)), 1e-9);
-  // Half a diameter behind the surface, less what the round surface lies back on average.
-  EXPECT_NEAR(found[0].range_m, 10.0 + 0.03 * kPi / 4.0, 1e-6);
+  // Half a diameter behind the front. Of the 17 cm that are bright, those beams that meet the 6 cm
+  // of the pole itself end farther back, on average by the mean depth of a circle.
+  const double met = 0.06 / (2.0 * 10.0 * kPi / 360.0);
+  EXPECT_NEAR(found[0].range_m, 10.0 + 0.03 * (1.0 - met * (1.0 - kPi / 4.0)), 1e-6);
   EXPECT_TRUE(std::isnan(found[0].diameter_m));
 }
 
