@@ -12,6 +12,7 @@
 #include "cekf/gps_datum.h"
 #include "cekf/landmark_life_cycle.h"
 #include "cekf/landmark_pins.h"
+#include "cekf/landmark_requests.h"
 #include "cekf/map_snapshot.h"
 #include "cekf/relative_covariance.h"
 #include "cekf/scan_associator.h"
@@ -33,18 +34,10 @@ bool isUsable(const Observation& observation) {
 // Beyond the reach of a sensor and of a large correction, a landmark's place may lag behind.
 constexpr double kRefreshRadius_m = 100.0;
 
-void fillJoint(const std::vector<int>& slots, const EffectReader& reader, JointLandmarks& joint) {
-  const auto n = static_cast<Eigen::Index>(2 * slots.size());
-  joint.mean.resize(n);
-  joint.covariance.resize(n, n);
-  for (Eigen::Index a = 0; a < n; a += 2) {
-    const int index_a = CompressedEkf::storeIndex(slots[static_cast<std::size_t>(a / 2)]);
-    joint.mean.segment<2>(a) = reader.state(index_a);
-    for (Eigen::Index b = 0; b < n; b += 2) {
-      joint.covariance.block<2, 2>(a, b) = reader.covariance(
-          index_a, CompressedEkf::storeIndex(slots[static_cast<std::size_t>(b / 2)]));
-    }
-  }
+/// Any diameter that a trunk may have is as likely as any other.
+DiameterPrior diameterPrior(const TrunkConfig& trunks) {
+  return {0.5 * (trunks.min_diameter_m + trunks.max_diameter_m),
+          (trunks.max_diameter_m - trunks.min_diameter_m) / std::sqrt(12.0)};
 }
 
 double share(int part, int whole) {
@@ -61,8 +54,9 @@ class CekfSlam::Impl {
         global_updates_(global_updates),
         perception_(config.perception),
         associator_(config.association, config.update.atFirstEstimates()),
-        scan_update_(config.update.atFirstEstimates() ? 1 : config.update.max_iterations),
-        life_cycle_(config.landmarks, config.association),
+        scan_update_(config.update.max_iterations,
+                     config.update.atFirstEstimates() ? config.large_correction_m : 0.0),
+        life_cycle_(config.landmarks, config.association, diameterPrior(config.perception.trunks)),
         pins_(config.landmarks.pin_delay_s),
         area_(config.active_area),
         estimate_(newEstimate()) {}
@@ -154,22 +148,12 @@ class CekfSlam::Impl {
   std::size_t landmarkCount() const { return life_cycle_.registry().size(); }
 
   void requestMap(double block_range_m, std::function<void(LandmarkMap)> take) {
-    std::vector<RegisteredLandmark> landmarks = life_cycle_.registry().all();
-    std::vector<int> slots;
-    for (const RegisteredLandmark& landmark : landmarks) slots.push_back(landmark.slot);
     LandmarkMap header;
     header.version = version_;
     header.time_s = estimate_.vehicle.time_s();
     header.merges = life_cycle_.merges();
-    estimate_.filter.readLater(
-        slots, [block_range_m, landmarks = std::move(landmarks), header = std::move(header),
-                take = std::move(take)](const EffectReader& reader) {
-          LandmarkMap map = snapshotOf(landmarks, reader, block_range_m);
-          map.version = header.version;
-          map.time_s = header.time_s;
-          map.merges = header.merges;
-          take(std::move(map));
-        });
+    core::requestMap(life_cycle_.registry(), std::move(header), block_range_m, estimate_.filter,
+                     std::move(take));
   }
 
   LandmarkMap landmarkMap(double block_range_m) {
@@ -186,21 +170,12 @@ class CekfSlam::Impl {
 
   bool requestJointLandmarks(const std::vector<int>& ids,
                              std::function<void(JointLandmarks)> take) {
-    std::vector<int> slots;
-    for (const int id : ids) {
-      if (!hasLandmark(id)) return false;
-      slots.push_back(life_cycle_.registry().byId(id).slot);
-    }
     JointLandmarks header;
     header.version = version_;
     header.time_s = estimate_.vehicle.time_s();
     header.ids = ids;
-    estimate_.filter.readLater(slots, [slots, header, take = std::move(take)](const auto& reader) {
-      JointLandmarks joint = header;
-      fillJoint(slots, reader, joint);
-      take(std::move(joint));
-    });
-    return true;
+    return core::requestJointLandmarks(life_cycle_.registry(), std::move(header), estimate_.filter,
+                                       std::move(take));
   }
 
   LandmarkUpdate takeUpdate() {
@@ -282,7 +257,7 @@ class CekfSlam::Impl {
         associator_.associate(set, sensorPlacement(set), life_cycle_.registry(), estimate_.filter);
     const bool updated = update(set, association, outcome);
     const SensorPlacement sensor = sensorPlacement(set);
-    life_cycle_.confirm(set, association);
+    life_cycle_.confirm(set, association, estimate_.filter);
     const std::vector<int> created = life_cycle_.create(
         set, sensor, association, estimate_.vehicle.predictedPose(), estimate_.filter);
     // What a refused update would have seen is not missed.

@@ -28,7 +28,8 @@ void UpdateConfig::describe(ConfigSchema& schema) {
       {"latest", "first_estimates"});
   schema.integer("max_iterations", max_iterations, Range::between(1, 20),
                  "of an update whose correction the measurements are not linear over; 1 never "
-                 "repeats one, nor do first estimates");
+                 "repeats one, first estimates only those that correct by more than "
+                 "large_correction_m");
 }
 
 void AssociationConfig::describe(ConfigSchema& schema) {

@@ -20,7 +20,7 @@ struct ActiveAreaConfig {
 /// How a scan corrects the state.
 struct UpdateConfig {
   std::string linearisation = "first_estimates";  ///< or "latest"
-  int max_iterations = 3;                         ///< of one update, with "latest"
+  int max_iterations = 3;                         ///< of one update
 
   bool atFirstEstimates() const { return linearisation == "first_estimates"; }
   void describe(ConfigSchema& schema);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -272,11 +273,25 @@ UpdateOutcome CompressedEkf::update(const std::vector<SparseMeasurement>& measur
   blas::gemm(true, false, n, n0, m, -1.0, HP.data(), m, Hphi.data(), m, phi_.data(),
              strideOf(phi_));
 
-  double largest_move2 = 0.0;
-  for (int row = vehicle_states_; row < n; row += 2) {
-    largest_move2 = std::max(largest_move2, correction.segment<2>(row).squaredNorm());
+  return {y.squaredNorm(), largestMove(x_.head(n) - correction)};
+}
+
+std::vector<int> CompressedEkf::activeLandmarks() const {
+  std::vector<int> slots;
+  std::copy_if(active_slots_.begin(), active_slots_.end(), std::back_inserter(slots),
+               [this](int slot) { return is_place_[static_cast<std::size_t>(slot)]; });
+  return slots;
+}
+
+double CompressedEkf::largestMove(const VectorXd& states) const {
+  double largest2 = 0.0;
+  for (std::size_t k = 0; k < active_slots_.size(); ++k) {
+    if (!is_place_[static_cast<std::size_t>(active_slots_[k])]) continue;
+    const auto row = vehicle_states_ + 2 * static_cast<Eigen::Index>(k);
+    const double move2 = (x_.segment<2>(row) - states.segment<2>(row)).squaredNorm();
+    largest2 = std::max(largest2, move2);
   }
-  return {y.squaredNorm(), std::sqrt(largest_move2)};
+  return std::sqrt(largest2);
 }
 
 void CompressedEkf::activate(int slot) {
@@ -306,21 +321,42 @@ void CompressedEkf::activate(int slot) {
 }
 
 int CompressedEkf::append(const Vector2d& position,
-                          const Eigen::Matrix<double, 2, Eigen::Dynamic>& G,
-                          const Matrix2d& noise) {
+                          const Eigen::Matrix<double, 2, Eigen::Dynamic>& G, const Matrix2d& noise,
+                          const SlotJacobian& other) {
   flushMotion();
-  const int row = states(), nv = vehicle_states_, n0 = origin_states_;
-  const int slot = takeSlot();
-  reserveActive(row + 2, n0);
-  x_.segment<2>(row) = position;
-  const MatrixXd GP = G * symmetric(P_, nv);
-  P_.block(row, 0, 2, nv) = GP;
-  P_.block(row, nv, 2, row - nv) = G * P_.block(nv, 0, row - nv, nv).transpose();
-  P_.block<2, 2>(row, row) = GP * G.transpose() + noise;
-  phi_.block(row, 0, 2, n0) = G * phi_.topLeftCorner(nv, n0);
+  // As a measurement of zero noise depends on the states, so does the new landmark.
+  SparseMeasurement dependence;
+  dependence.H_vehicle = G;
+  dependence.landmarks[0] = other.slot;
+  dependence.H_landmarks[0] = other.G;
+  const Matrix2d covariance = innovationCovariance(dependence, dependence) + noise;
+  const MatrixXd cross = measurementTimesCovariance(dependence);
+  const MatrixXd phi = measurementTimesPhi(dependence);
+  const int slot = appendRow(position, covariance, true);
+  const int row = rowOf(slot);
+  P_.block(row, 0, 2, row) = cross;
+  phi_.block(row, 0, 2, origin_states_) = phi;
+  ++landmark_count_;
+  return slot;
+}
+
+int CompressedEkf::appendQuantities(const Vector2d& mean, const Matrix2d& covariance) {
+  flushMotion();
+  const int slot = appendRow(mean, covariance, false);
+  const int row = rowOf(slot);
+  P_.block(row, 0, 2, row).setZero();
+  phi_.block(row, 0, 2, origin_states_).setZero();
+  return slot;
+}
+
+/// A new slot's row, but for what it has in common with others.
+int CompressedEkf::appendRow(const Vector2d& mean, const Matrix2d& covariance, bool is_place) {
+  const int row = states(), slot = takeSlot(is_place);
+  reserveActive(row + 2, origin_states_);
+  x_.segment<2>(row) = mean;
+  P_.block<2, 2>(row, row) = covariance;
   active_slots_.push_back(slot);
   rows_[static_cast<std::size_t>(slot)] = row;
-  ++landmark_count_;
   return slot;
 }
 
@@ -337,7 +373,7 @@ void CompressedEkf::remove(int slot) {
                                    storeIndex(slot)) != origin_indices_.end();
   (is_origin ? retired_slots_ : free_slots_).push_back(slot);
   rows_[static_cast<std::size_t>(slot)] = kFree;
-  --landmark_count_;
+  if (is_place_[static_cast<std::size_t>(slot)]) --landmark_count_;
 }
 
 void CompressedEkf::moveLastLandmarkTo(int row) {
@@ -434,14 +470,16 @@ void CompressedEkf::reserveActive(int states, int origin_states) {
   if (columns > theta_.size()) theta_.conservativeResize(columns);
 }
 
-int CompressedEkf::takeSlot() {
-  if (!free_slots_.empty()) {
-    const int slot = free_slots_.back();
-    free_slots_.pop_back();
-    return slot;
+int CompressedEkf::takeSlot(bool is_place) {
+  if (free_slots_.empty()) {
+    free_slots_.push_back(static_cast<int>(rows_.size()));
+    rows_.push_back(kFree);
+    is_place_.push_back(is_place);
   }
-  rows_.push_back(kFree);
-  return static_cast<int>(rows_.size()) - 1;
+  const int slot = free_slots_.back();
+  free_slots_.pop_back();
+  is_place_[static_cast<std::size_t>(slot)] = is_place;
+  return slot;
 }
 
 TwoColumns CompressedEkf::originCovariance(int slot) const {

@@ -26,6 +26,12 @@ struct SparseMeasurement {
   Eigen::Matrix2d noise = Eigen::Matrix2d::Identity();
 };
 
+/// How a new landmark depends on one that is there.
+struct SlotJacobian {
+  int slot = SparseMeasurement::kNone;
+  Eigen::Matrix2d G = Eigen::Matrix2d::Zero();
+};
+
 /// What a measurement did.
 struct UpdateOutcome {
   double nis = 0.0;  ///< normalised innovation squared; NaN: refused, and nothing changed
@@ -76,7 +82,8 @@ class CompressedEkf {
   bool isActive(int slot) const { return rowOf(slot) >= 0; }
   std::size_t landmarkCount() const { return landmark_count_; }
   std::size_t activeCount() const { return active_slots_.size(); }
-  const std::vector<int>& activeSlots() const { return active_slots_; }
+  /// Slots of the active landmarks, without those of other quantities.
+  std::vector<int> activeLandmarks() const;
   /// States that phi's columns stand for; grows until the next global update.
   int originStates() const { return origin_states_; }
 
@@ -94,6 +101,8 @@ class CompressedEkf {
   std::optional<Eigen::VectorXd> statesAfter(
       const std::vector<SparseMeasurement>& measurements) const;
   /// The active landmark's place among such states.
+  /// Farthest that an active landmark is from its place among such states [m].
+  double largestMove(const Eigen::VectorXd& states) const;
   Eigen::Vector2d landmarkAmong(const Eigen::VectorXd& states, int slot) const {
     return states.segment<2>(rowOf(slot));
   }
@@ -109,10 +118,15 @@ class CompressedEkf {
   /// Makes a passive landmark active; does nothing to an active one.
   void activate(int slot);
 
-  /// New active landmark at `position` = g(vehicle, z): covariance G_vehicle * P_vv * G_vehicle' +
-  /// noise. Returns its slot.
+  /// New active landmark at `position` = g(vehicle, z): covariance G * P_vv * G' + noise; g may
+  /// depend on an active slot as well. Returns its slot.
   int append(const Eigen::Vector2d& position, const Eigen::Matrix<double, 2, Eigen::Dynamic>& G,
-             const Eigen::Matrix2d& noise);
+             const Eigen::Matrix2d& noise, const SlotJacobian& other = {});
+
+  /// New active pair of states that are no place but something else that measurements depend on,
+  /// independent of all others. In all but landmarkCount() and the moves that are told of updates
+  /// it is as a landmark. Returns its slot.
+  int appendQuantities(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance);
 
   /// Takes a landmark out of the state (marginalises it). Throws std::invalid_argument if there is
   /// none in this slot.
@@ -171,7 +185,8 @@ class CompressedEkf {
   int storeIndexOfRow(int row) const;
   void reserveActive(int states, int origin_states);
   void flushMotion() const;
-  int takeSlot();
+  int takeSlot(bool is_place);
+  int appendRow(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance, bool is_place);
   void moveLastLandmarkTo(int row);
 
   double covarianceEntry(int row, int column) const {
@@ -218,7 +233,8 @@ class CompressedEkf {
 
   std::unique_ptr<PassiveStore> store_;  ///< index: vehicle first, then landmarks
 
-  std::vector<int> rows_;  ///< by slot: row in the active part, kPassive or kFree
+  std::vector<int> rows_;       ///< by slot: row in the active part, kPassive or kFree
+  std::vector<bool> is_place_;  ///< by slot: holds a landmark's place
   std::vector<int> free_slots_;
   std::vector<int> retired_slots_;  ///< removed, but origin states until the global update
   std::size_t landmark_count_ = 0;

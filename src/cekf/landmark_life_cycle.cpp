@@ -48,16 +48,19 @@ void fuseDiameter(const Observation& observation, RegisteredLandmark& landmark) 
 }  // namespace
 
 LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config,
-                                     const AssociationConfig& association)
+                                     const AssociationConfig& association,
+                                     const DiameterPrior& diameter)
     : config_(config),
       merge_gate_(chiSquareQuantile(config.merge_probability, 2)),
       hit_log_odds_(std::log(config.detection_probability / config.false_detection_probability)),
       miss_log_odds_(std::log((1.0 - config.detection_probability) /
                               (1.0 - config.false_detection_probability))),
+      diameters_(diameter),
       tentative_({config.promote_sightings, config.promote_share, config.promote_span_s}),
       duplicate_search_(config, association) {}
 
-void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation& association) {
+void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation& association,
+                                CompressedEkf& filter) {
   ++scan_number_;
   for (std::size_t i = 0; i < association.slots.size(); ++i) {
     if (association.slots[i] == ScanAssociation::kNone) continue;
@@ -70,7 +73,11 @@ void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation
         std::min(landmark.existence_log_odds + hit_log_odds_, kLargestLogOdds);
     if (landmark.type == LandmarkType::kUnknown) landmark.type = observation.type;
     if (landmark.observations >= config_.confirm_observations) unconfirmed_ids_.erase(landmark.id);
-    fuseDiameter(observation, landmark);
+    if (landmark.diameter_state.exists()) {
+      DiameterStates::observe(observation, landmark.diameter_state, filter);
+    } else {
+      fuseDiameter(observation, landmark);
+    }
   }
   noteNeighboursSeenTogether(association.slots);
 }
@@ -125,21 +132,33 @@ bool LandmarkLifeCycle::isFarFromOthers(const Vector2d& position) const {
   return registry_.slotsNear(position, config_.min_separation_m).empty();
 }
 
-int LandmarkLifeCycle::promote(const Observation& observation, const ObservationSet& set,
+int LandmarkLifeCycle::promote(Observation observation, const ObservationSet& set,
                                const SensorPlacement& sensor, const Pose2& predicted,
                                CompressedEkf& filter) {
+  RegisteredLandmark landmark;
+  landmark.diameter_m = observation.diameter_m;
+  landmark.diameter_variance = observation.diameter_variance;
+  if (dependsOnDiameter(observation)) {
+    landmark.diameter_state = diameters_.add(observation, filter);
+    observation =
+        conditionedOnDiameter(observation, DiameterStates::mean(landmark.diameter_state, filter));
+  }
   const LocatedLandmark located =
       locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
                      observation.range_m - sensor.range_offset_m, observation.bearing_rad);
-  RegisteredLandmark landmark;
+  SlotJacobian by_diameter;
+  if (landmark.diameter_state.exists()) {
+    by_diameter.slot = landmark.diameter_state.slot;
+    by_diameter.G.col(landmark.diameter_state.half) =
+        located.G_measurement * diameterGain(observation);
+  }
   landmark.slot = filter.append(
       located.position, vehicleJacobian(located, sensor, filter.vehicleStates()),
-      located.G_measurement * observation.covariance * located.G_measurement.transpose());
+      located.G_measurement * observation.covariance * located.G_measurement.transpose(),
+      by_diameter);
   landmark.id = next_id_++;
   landmark.identity = observation.identity;
   landmark.type = observation.type;
-  landmark.diameter_m = observation.diameter_m;
-  landmark.diameter_variance = observation.diameter_variance;
   landmark.observations = 1;
   landmark.first_seen_s = set.time_s;
   landmark.last_seen_s = set.time_s;
@@ -312,6 +331,7 @@ void LandmarkLifeCycle::takeOver(const RegisteredLandmark& gone, RegisteredLandm
 
 void LandmarkLifeCycle::drop(int id, CompressedEkf& filter) {
   filter.remove(registry_.byId(id).slot);
+  diameters_.remove(registry_.byId(id).diameter_state, filter);
   registry_.remove(id);
   distinct_from_.erase(id);
   unconfirmed_ids_.erase(id);
@@ -320,10 +340,14 @@ void LandmarkLifeCycle::drop(int id, CompressedEkf& filter) {
 }
 
 void LandmarkLifeCycle::refreshActive(const CompressedEkf& filter) {
-  for (const int slot : filter.activeSlots()) {
+  for (const int slot : filter.activeLandmarks()) {
     RegisteredLandmark& landmark = registry_.bySlot(slot);
     registry_.move(landmark, filter.landmark(slot));
     landmark.is_first_estimate_open = false;
+    if (landmark.diameter_state.exists()) {
+      landmark.diameter_m = DiameterStates::mean(landmark.diameter_state, filter);
+      landmark.diameter_variance = DiameterStates::variance(landmark.diameter_state, filter);
+    }
     changed_ids_.insert(landmark.id);
   }
 }
@@ -377,6 +401,7 @@ void LandmarkLifeCycle::clear() {
   for (const RegisteredLandmark& landmark : registry_.all()) removed_ids_.push_back(landmark.id);
   registry_.clear();
   tentative_.clear();
+  diameters_.clear();
   merges_.clear();
   merges_taken_ = 0;
   changed_ids_.clear();

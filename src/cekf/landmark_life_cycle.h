@@ -27,10 +27,12 @@ class LandmarkLifeCycle {
     std::size_t merged = 0;
   };
 
-  LandmarkLifeCycle(const LandmarkConfig& config, const AssociationConfig& association);
+  LandmarkLifeCycle(const LandmarkConfig& config, const AssociationConfig& association,
+                    const DiameterPrior& diameter = {});
 
   /// Notes what the associated observations say of their landmarks.
-  void confirm(const ObservationSet& set, const ScanAssociation& association);
+  void confirm(const ObservationSet& set, const ScanAssociation& association,
+               CompressedEkf& filter);
 
   /// Lets observations without a landmark become tentative ones, and promotes those seen often
   /// enough into the state. Returns by observation the new landmark's slot, or kNone. `predicted`:
@@ -85,8 +87,8 @@ class LandmarkLifeCycle {
 
  private:
   bool isFarFromOthers(const Eigen::Vector2d& position) const;
-  int promote(const Observation& observation, const ObservationSet& set,
-              const SensorPlacement& sensor, const Pose2& predicted, CompressedEkf& filter);
+  int promote(Observation observation, const ObservationSet& set, const SensorPlacement& sensor,
+              const Pose2& predicted, CompressedEkf& filter);
   void noteNeighboursSeenTogether(const std::vector<int>& slots);
   bool areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
                     CompressedEkf& filter) const;
@@ -101,6 +103,7 @@ class LandmarkLifeCycle {
   double merge_gate_;
   double hit_log_odds_, miss_log_odds_;
   LandmarkRegistry registry_;
+  DiameterStates diameters_;
   TentativeLandmarks tentative_;
   DuplicateSearch duplicate_search_;
   double searched_s_ = -std::numeric_limits<double>::infinity();  ///< for duplicates

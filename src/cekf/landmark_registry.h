@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "cekf/diameter_states.h"
 #include "cekf/landmark_index.h"
 #include "perception/observation.h"
 
@@ -19,6 +20,7 @@ struct RegisteredLandmark {
   LandmarkType type = LandmarkType::kUnknown;
   double diameter_m = 0.0;         ///< NaN where unknown
   double diameter_variance = 0.0;  ///< m^2, NaN where unknown
+  DiameterState diameter_state;    ///< of which these two are copies, if it exists
   int observations = 0;
   double first_seen_s = 0.0;
   double last_seen_s = 0.0;

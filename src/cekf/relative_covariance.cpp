@@ -72,7 +72,7 @@ Matrix3d relativeCovariance(const Vector2d& position, const std::vector<Vector2d
 
 Matrix3d relativeCovariance(const CompressedEkf& filter, const std::vector<int>& seen) {
   const std::vector<int> slots =
-      nearestOf(filter, seen.size() >= kFewestSeen ? seen : filter.activeSlots());
+      nearestOf(filter, seen.size() >= kFewestSeen ? seen : filter.activeLandmarks());
   std::vector<Vector2d> landmarks;
   for (const int slot : slots) landmarks.push_back(filter.landmark(slot));
   return relativeCovariance(filter.vehicle().head<2>(), landmarks, jointCovariance(filter, slots));

@@ -49,14 +49,24 @@ ScanAssociator::ScanAssociator(const AssociationConfig& config, bool at_first_es
       joint_({chiSquareQuantile(config.unpaired_probability, 2), config.joint_probability,
               config.max_nodes}) {}
 
-SparseMeasurement ScanAssociator::measurementOf(const Observation& observation,
-                                                const SensorPlacement& sensor,
-                                                const RegisteredLandmark& landmark,
-                                                const CompressedEkf& filter) const {
+SparseMeasurement ScanAssociator::measure(Observation& sighting, const SensorPlacement& sensor,
+                                          const RegisteredLandmark& landmark,
+                                          CompressedEkf& filter) const {
+  filter.activate(landmark.slot);
+  const DiameterState& diameter = landmark.diameter_state;
+  const bool by_diameter = diameter.exists() && dependsOnDiameter(sighting);
+  if (by_diameter) {
+    filter.activate(diameter.slot);
+    sighting = conditionedOnDiameter(sighting, DiameterStates::mean(diameter, filter));
+  }
   const Pose2 pose = VehicleState::pose(filter);
   const int states = filter.vehicleStates();
   SparseMeasurement measurement = landmarkMeasurement(
-      observation, pose, sensor, {landmark.slot, filter.landmark(landmark.slot)}, states);
+      sighting, pose, sensor, {landmark.slot, filter.landmark(landmark.slot)}, states);
+  if (by_diameter) {
+    measurement.landmarks[1] = diameter.slot;
+    measurement.H_landmarks[1].col(diameter.half) = -diameterGain(sighting);
+  }
   if (at_first_estimates_) {
     linearise(measurement, pose, sensor, landmark.first_estimate, states);
   }
@@ -112,8 +122,8 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, const Sensor
     const RegisteredLandmark* landmark = registry.findIdentity(observation.identity);
     if (landmark == nullptr) continue;
     result.claimed[i] = true;
-    filter.activate(landmark->slot);
-    const SparseMeasurement measurement = measurementOf(observation, sensor, *landmark, filter);
+    Observation sighting = observation;
+    const SparseMeasurement measurement = measure(sighting, sensor, *landmark, filter);
     const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise;
     const bool seen_twice =
         std::find(result.slots.begin(), result.slots.end(), landmark->slot) != result.slots.end();
@@ -123,7 +133,7 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, const Sensor
     }
     result.slots[i] = landmark->slot;
     result.measurements.push_back(measurement);
-    result.measured.push_back(i);
+    result.sightings.push_back(sighting);
   }
 }
 
@@ -153,9 +163,9 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
       result.claimed[i] = true;  // by an observation that tells its identity
       continue;
     }
-    filter.activate(slot);
     Candidate candidate;
-    candidate.measurement = measurementOf(observation, sensor, landmark, filter);
+    candidate.sighting = observation;
+    candidate.measurement = measure(candidate.sighting, sensor, landmark, filter);
     const Matrix2d S = filter.innovationCovariance(candidate.measurement, candidate.measurement) +
                        candidate.measurement.noise;
     const Vector2d& innovation = candidate.measurement.innovation;
@@ -203,7 +213,7 @@ void ScanAssociator::chooseNearest(const std::vector<Candidate>& candidates,
   for (const Candidate* candidate : chosen) {
     if (candidate == nullptr) continue;
     result.measurements.push_back(candidate->measurement);
-    result.measured.push_back(static_cast<std::size_t>(candidate->pairing.observation));
+    result.sightings.push_back(candidate->sighting);
   }
 }
 
@@ -232,7 +242,7 @@ void ScanAssociator::chooseJointly(const std::vector<Candidate>& candidates,
     const auto observation = static_cast<std::size_t>(chosen.pairing.observation);
     result.slots[observation] = chosen.pairing.landmark;
     result.measurements.push_back(chosen.measurement);
-    result.measured.push_back(observation);
+    result.sightings.push_back(chosen.sighting);
   }
 }
 

@@ -19,7 +19,8 @@ struct ScanAssociation {
   std::vector<bool> claimed;  ///< by observation: too near a landmark to be a new one
   std::vector<bool> ignored;  ///< by observation: without identity, where the set has identities
   std::vector<SparseMeasurement> measurements;  ///< of the observations with a landmark
-  std::vector<std::size_t> measured;            ///< by measurement: the observation
+  /// By measurement: the observation, as it is for the diameter that the filter holds.
+  std::vector<Observation> sightings;
   int ambiguous = 0;     ///< observations with two or more compatible landmarks
   bool complete = true;  ///< false: there was too much to choose from, and the search was cut short
 };
@@ -39,16 +40,18 @@ class ScanAssociator {
   struct Candidate {
     Pairing pairing;
     SparseMeasurement measurement;
+    Observation sighting;
     double distance2 = 0.0;  ///< squared Mahalanobis distance of the innovation alone
   };
 
   /// Bounds the work in a world denser than the parameters expect.
   static constexpr std::size_t kMaxCandidates = 5;
 
-  SparseMeasurement measurementOf(const Observation& observation, const SensorPlacement& sensor,
-                                  const RegisteredLandmark& landmark,
-                                  const CompressedEkf& filter) const;
   bool isPlaceKnown(const Eigen::Matrix2d& S, double chance_density) const;
+  /// The measurement of a landmark, which is made active. `sighting`: the observation, which
+  /// becomes what it is for the landmark's diameter.
+  SparseMeasurement measure(Observation& sighting, const SensorPlacement& sensor,
+                            const RegisteredLandmark& landmark, CompressedEkf& filter) const;
   void associateByIdentity(const ObservationSet& set, const SensorPlacement& sensor,
                            LandmarkRegistry& registry, CompressedEkf& filter,
                            ScanAssociation& result) const;

@@ -24,9 +24,16 @@ Vector2d predictedChange(const SparseMeasurement& measurement, const CompressedE
 
 }  // namespace
 
+bool ScanUpdate::isLarge(const Measurements& measurements, const CompressedEkf& filter) const {
+  if (least_move_m_ <= 0.0) return true;
+  const std::optional<VectorXd> states = filter.statesAfter(measurements);
+  return states && filter.largestMove(*states) > least_move_m_;
+}
+
 UpdateOutcome ScanUpdate::update(const ObservationSet& set, const ScanAssociation& association,
                                  const VehicleState& vehicle, CompressedEkf& filter) {
   Measurements measurements = association.measurements;
+  if (!isLarge(measurements, filter)) return filter.update(measurements);
   for (int iteration = 1; iteration < max_iterations_; ++iteration) {
     const std::optional<VectorXd> states = filter.statesAfter(measurements);
     if (!states) break;
@@ -38,9 +45,11 @@ UpdateOutcome ScanUpdate::update(const ObservationSet& set, const ScanAssociatio
     for (std::size_t k = 0; k < measurements.size(); ++k) {
       const SparseMeasurement& before = measurements[k];
       const int slot = before.landmarks[0];
-      SparseMeasurement now = landmarkMeasurement(
-          set.observations[association.measured[k]], Pose2::fromVector(at.head<3>()), sensor,
-          {slot, filter.landmarkAmong(*states, slot)}, filter.vehicleStates());
+      SparseMeasurement now =
+          landmarkMeasurement(association.sightings[k], Pose2::fromVector(at.head<3>()), sensor,
+                              {slot, filter.landmarkAmong(*states, slot)}, filter.vehicleStates());
+      now.landmarks[1] = before.landmarks[1];  // which is linear
+      now.H_landmarks[1] = before.H_landmarks[1];
       const Vector2d neglected = now.innovation - before.innovation +
                                  predictedChange(before, filter, vehicle_change, *states);
       worst2 = std::max(worst2, neglected.dot(now.noise.inverse() * neglected));

@@ -15,7 +15,10 @@ namespace hymm::core {
 /// (iterated EKF: the innovation becomes z - h(x_i) - H_i * (x - x_i)).
 class ScanUpdate {
  public:
-  explicit ScanUpdate(int max_iterations) : max_iterations_(max_iterations) {}
+  /// Updates that move no landmark by more than `least_move_m` are never repeated: with Jacobians
+  /// at first estimates, for those that end the first estimates' use.
+  explicit ScanUpdate(int max_iterations, double least_move_m = 0.0)
+      : max_iterations_(max_iterations), least_move_m_(least_move_m) {}
 
   UpdateOutcome update(const ObservationSet& set, const ScanAssociation& association,
                        const VehicleState& vehicle, CompressedEkf& filter);
@@ -26,7 +29,10 @@ class ScanUpdate {
  private:
   using Measurements = std::vector<SparseMeasurement>;
 
+  bool isLarge(const Measurements& measurements, const CompressedEkf& filter) const;
+
   int max_iterations_;
+  double least_move_m_;
   std::size_t iterated_ = 0;
 };
 

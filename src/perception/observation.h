@@ -19,6 +19,8 @@ struct Observation {
   LandmarkType type = LandmarkType::kUnknown;
   double diameter_m = std::numeric_limits<double>::quiet_NaN();  ///< NaN where it cannot be told
   double diameter_variance = std::numeric_limits<double>::quiet_NaN();  ///< m^2
+  /// Of the diameter with (range, bearing): not zero where the centre's place hangs on it.
+  Eigen::Vector2d diameter_covariance = Eigen::Vector2d::Zero();
   int identity = -1;  ///< of the landmark, where the sensor reads one; else -1
 };
 

@@ -169,6 +169,8 @@ Observation TrunkDetector::toObservation(const BeamView& beams, const Shape& sha
                                   0.125 * outline_variance / (range_m * range_m);
   observation.diameter_m = estimate.mean[2];
   observation.diameter_variance = estimate.covariance(2, 2) + outline_variance;
+  observation.diameter_covariance << estimate.covariance(0, 2) + outline_variance,
+      direction * estimate.covariance(1, 2);
   return observation;
 }
 

@@ -54,6 +54,21 @@ class FilterPair {
     return append(position, G, noise, position, G, noise);
   }
 
+  /// The same; it depends on landmark `other` as well.
+  int append(const Eigen::Vector2d& position, const Eigen::MatrixXd& G,
+             const Eigen::Matrix2d& noise, int other, const Eigen::Matrix2d& G_other) {
+    compressed_.activate(slots_.at(other));
+    slots_[next_id_] = compressed_.append(position, G, noise, {slots_.at(other), G_other});
+    full_.append(next_id_, position, G, noise, other, G_other);
+    return next_id_++;
+  }
+  /// Two states that depend on nothing.
+  int appendQuantities(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance) {
+    slots_[next_id_] = compressed_.appendQuantities(mean, covariance);
+    full_.append(next_id_, mean, Eigen::MatrixXd::Zero(2, full_.vehicleStates()), covariance);
+    return next_id_++;
+  }
+
   void remove(int id) {
     compressed_.remove(slots_.at(id));
     full_.remove(id);

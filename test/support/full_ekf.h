@@ -49,12 +49,15 @@ class FullEkf {
     P_ = 0.5 * (P_ + P_.transpose()).eval();
   }
 
+  /// `other`: id of a landmark on which the new one depends as well, or -1.
   void append(int id, const Eigen::Vector2d& position, const Eigen::MatrixXd& G,
-              const Eigen::Matrix2d& noise) {
+              const Eigen::Matrix2d& noise, int other = -1,
+              const Eigen::Matrix2d& G_other = Eigen::Matrix2d::Zero()) {
     const Eigen::Index n = x_.size();
     Eigen::MatrixXd T = Eigen::MatrixXd::Zero(n + 2, n);
     T.topRows(n).setIdentity();
     T.block(n, 0, 2, nv_) = G;
+    if (other >= 0) T.block<2, 2>(n, index(other)) = G_other;
     P_ = (T * P_ * T.transpose()).eval();
     P_.bottomRightCorner<2, 2>() += noise;
     x_.conservativeResize(n + 2);

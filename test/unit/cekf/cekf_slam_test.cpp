@@ -213,7 +213,8 @@ TEST(CekfSlam, FindsErrorsOfTheLasersYawRangeAndTime) {
 /// Scans of a simulated world through the filter; position error against truth.
 class SimulatedRun {
  public:
-  SimulatedRun(const std::string& world, unsigned seed, bool gps) {
+  SimulatedRun(const std::string& world, unsigned seed, bool gps,
+               CekfSlam::GlobalUpdates global_updates = CekfSlam::GlobalUpdates::kInline) {
     SimulationConfig simulation_config;
     simulation_config.world.name = world;
     simulation_config.drive.duration_s = 90.0;
@@ -223,7 +224,7 @@ class SimulatedRun {
     config.gps.enabled = gps;
     config.perception.trunks.enabled = world != "car_park";
     config.perception.reflectors.enabled = world == "car_park";
-    CekfSlam slam(config, vehicle);
+    CekfSlam slam(config, vehicle, global_updates);
     while (const auto simulated = simulation.next()) {
       const auto outcome = slam.process(simulated->event);
       if (!outcome || !outcome->accepted) continue;
@@ -265,6 +266,18 @@ TEST(CekfSlam, BoundsItsDriftByGps) {
 TEST(CekfSlam, RepeatsItself) {
   const SimulatedRun first("park", 5, false), second("park", 5, false);
   EXPECT_EQ(first.poses, second.poses);
+}
+
+TEST(CekfSlam, DrivesTheSameWithTheWorkerInTheBackground) {
+  const SimulatedRun inline_run("park", 5, false);
+  const SimulatedRun live("park", 5, false, CekfSlam::GlobalUpdates::kBackground);
+  ASSERT_EQ(live.poses.size(), inline_run.poses.size());
+  EXPECT_EQ(live.landmarks, inline_run.landmarks);
+  double farthest = 0.0;
+  for (std::size_t k = 0; k < live.poses.size(); ++k) {
+    farthest = std::max(farthest, (live.poses[k] - inline_run.poses[k]).norm());
+  }
+  EXPECT_LT(farthest, 1e-6);
 }
 
 TEST(CekfSlamConfig, IsDocumentedByItsShippedFile) {

@@ -89,6 +89,35 @@ TEST(CompressedEkf, StartsNoGlobalUpdateWhileOneIsPending) {
   EXPECT_LT(random.pair().difference().covariance, kExact);
 }
 
+TEST(CompressedEkf, EqualsFullEkfWithLandmarksThatDependOnOtherStates) {
+  RandomGenerator generator(4);
+  RandomPair random(4, SerialWorker::Mode::kInline, 5);
+  const int diameters = random.pair().appendQuantities({0.5, 0.3}, 0.04 * Matrix2d::Identity());
+  const std::size_t landmarks = random.filter().landmarkCount();
+  for (int i = 0; i < 12; ++i) {
+    random.step();
+    random.pair().append(randomMatrix(generator, 2, 1, 10.0),
+                         randomMatrix(generator, 2, kVehicleStates, 1.0),
+                         0.1 * Matrix2d::Identity(), diameters, randomMatrix(generator, 2, 2, 1.0));
+    if (i % 4 == 3) random.filter().globalUpdate();
+    ASSERT_LT(random.pair().difference().covariance, kExact);
+    ASSERT_LT(random.pair().difference().state, kExact);
+  }
+  EXPECT_EQ(landmarks, 5U);
+  EXPECT_EQ(random.filter().landmarkCount(), landmarks + 12);
+}
+
+TEST(CompressedEkf, TellsNoMoveOfQuantitiesThatAreNoPlace) {
+  CompressedEkf filter(VectorXd::Zero(3), MatrixXd::Identity(3, 3));
+  SparseMeasurement m;
+  m.innovation << 0.5, -1.0;
+  m.H_vehicle.resize(2, 0);
+  m.landmarks[0] = filter.appendQuantities({1.0, 2.0}, Matrix2d::Identity());
+  m.H_landmarks[0] = Matrix2d::Identity();
+  EXPECT_EQ(filter.update({m}).largest_landmark_move_m, 0.0);
+  EXPECT_NE(filter.landmark(m.landmarks[0]), Vector2d(1.0, 2.0));
+}
+
 TEST(CompressedEkf, ReadsTheSameBeforeAndAfterEachTileIsReplaced) {
   RandomPair random(8, SerialWorker::Mode::kBackground, 220);  // 456 states in 10 tiles
   CompressedEkf& filter = random.filter();

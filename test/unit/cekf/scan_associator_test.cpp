@@ -61,7 +61,8 @@ TEST(ScanAssociator, TellsWhichObservationEachMeasurementIsOf) {
   for (const char* method : {"joint", "nearest"}) {
     const ScanAssociation found = TwoTrees().associate(method, 0.1);
     ASSERT_EQ(found.measurements.size(), 2U) << method;
-    EXPECT_EQ(found.measured, std::vector<std::size_t>({0, 1})) << method;
+    ASSERT_EQ(found.sightings.size(), 2U) << method;
+    EXPECT_LT(found.sightings[0].bearing_rad, found.sightings[1].bearing_rad) << method;
     EXPECT_EQ(found.measurements[1].landmarks[0], 1) << method;
   }
 }
