@@ -18,7 +18,7 @@ namespace hymm::benchmarks {
 namespace {
 
 constexpr double kSpacing_m = 12.0;
-constexpr int kScansPerLtr = 30;  // about what the recording of Victoria Park has
+constexpr int kScansPerLtr = 30;  // Victoria Park's recording: 7230 scans, 195 LTRs
 constexpr double kResolution_m = 0.2;
 constexpr const char* kLayer = "salinity";
 
