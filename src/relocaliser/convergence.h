@@ -24,7 +24,7 @@ struct ConvergenceConfig {
   int least_landmarks = 3;          ///< that explain observations
   double gate_probability = 0.99;   ///< of an observation and the landmark that explains it
   int hold_scans = 5;               ///< in a row for which all this holds
-  double hold_way_m = 4.0;          ///< driven meanwhile
+  double hold_way_m = 8.0;          ///< driven meanwhile
   double rival_margin = 12.0;       ///< log likelihood by which every other place has to be worse
 
   void describe(ConfigSchema& schema);

@@ -62,17 +62,15 @@ struct RelativeLandmarks {
 
 }  // namespace
 
-FrameChoice computeBestFrame(const VectorXd& mean, const MatrixXd& covariance) {
-  const Index n = mean.size() / 2;
-  FrameChoice best{0, 1, std::numeric_limits<double>::infinity()};
-  for (Index origin = 0; origin < n; ++origin) {
+FrameChoice computeBestFrame(const VectorXd& mean, const MatrixXd& covariance,
+                             const std::vector<int>& candidates) {
+  FrameChoice best{candidates.at(0), candidates.at(1), std::numeric_limits<double>::infinity()};
+  for (const int origin : candidates) {
     const RelativeLandmarks relative(mean, covariance, origin);
-    for (Index axis = 0; axis < n; ++axis) {
+    for (const int axis : candidates) {
       if (relative.offset.segment<2>(2 * axis).squaredNorm() == 0.0) continue;
       const double trace = relative.boundedTrace(axis);
-      if (trace < best.bounded_trace_m2) {
-        best = {static_cast<int>(origin), static_cast<int>(axis), trace};
-      }
+      if (trace < best.bounded_trace_m2) best = {origin, axis, trace};
     }
   }
   return best;

@@ -21,6 +21,9 @@ using Eigen::VectorXd;
 // what it moves at half a laser's range.
 constexpr double kLever_m = 10.0;
 
+// Landmarks among which the frame is chosen, however few are near.
+constexpr int kFewestForFrame = 10;
+
 std::string findProblem(const VehicleAmongLandmarks& estimate) {
   const auto states = static_cast<Index>(2 * estimate.landmarks.ids.size());
   const MatrixXd& cross = estimate.cross_covariance;
@@ -96,7 +99,7 @@ std::vector<std::size_t> withinReach(const Joint& joint, double range_m,
   for (std::size_t i = 0; i < joint.ids.size(); ++i) {
     const double spread_m =
         config.prior_deviations * std::sqrt(relativeVariance(joint, 0, rowOf(i)));
-    if (distanceFromVehicle(joint, i) <= range_m + spread_m) near.push_back(i);
+    if (distanceFromVehicle(joint, i) <= range_m + config.travel_m + spread_m) near.push_back(i);
   }
   return near;
 }
@@ -126,6 +129,17 @@ void keepNearest(const Joint& joint, int count, std::vector<std::size_t>& landma
   });
   landmarks.resize(limit);
   std::sort(landmarks.begin(), landmarks.end());
+}
+
+/// The half of the landmarks that is nearest, ten at least: what is far away may hang together just
+/// as well, but is not where the vehicle is looked for.
+std::vector<int> nearerHalf(const Joint& joint) {
+  std::vector<std::size_t> landmarks(joint.ids.size());
+  std::iota(landmarks.begin(), landmarks.end(), 0U);
+  keepNearest(joint, std::max(kFewestForFrame, static_cast<int>(landmarks.size() / 2)), landmarks);
+  std::vector<int> half;
+  for (const std::size_t i : landmarks) half.push_back(static_cast<int>(i));
+  return half;
 }
 
 /// The bound of vehicle and landmarks. The vehicle, known least, takes most of what its correlation
@@ -188,6 +202,8 @@ void LocalMapConfig::describe(ConfigSchema& schema) {
                  "most landmarks in the map of a relocalisation, the nearest");
   schema.number("prior_deviations", prior_deviations, Range::between(1.0, 10.0),
                 "deviations of the vehicle's place that the map covers");
+  schema.number("travel_m", travel_m, Range::notNegative(),
+                "way that the vehicle may drive before it is found, and that the map covers");
   schema.number("max_landmark_deviation_m", max_landmark_deviation_m, Range::positive(),
                 "a landmark with a greater deviation in the local frame is left out");
 }
@@ -203,8 +219,9 @@ std::optional<LocalMap> tryMakeLocalMap(const VehicleAmongLandmarks& estimate, d
   joint = reduced(joint, kept);
   while (joint.ids.size() >= 2) {
     const Index states = 2 * static_cast<Index>(joint.ids.size());
-    const FrameChoice frame = computeBestFrame(joint.mean.tail(states),
-                                               joint.covariance.bottomRightCorner(states, states));
+    const FrameChoice frame =
+        computeBestFrame(joint.mean.tail(states),
+                         joint.covariance.bottomRightCorner(states, states), nearerHalf(joint));
     const FramedEstimate framed =
         expressInFrame(joint.mean, joint.covariance, frame.origin, frame.axis);
     const MatrixXd bound = boundOf(framed.covariance);

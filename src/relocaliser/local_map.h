@@ -31,6 +31,7 @@ struct VehicleAmongLandmarks {
 struct LocalMapConfig {
   int max_landmarks = 40;
   double prior_deviations = 3.0;          ///< of the vehicle's place that the map has to cover
+  double travel_m = 40.0;                 ///< that the vehicle may drive on meanwhile
   double max_landmark_deviation_m = 1.5;  ///< of the bound; what is known less tells nothing
 
   void describe(ConfigSchema& schema);
@@ -56,10 +57,10 @@ struct LocalMap {
 };
 
 /// De-correlated map (36), (37) of at most `max_landmarks` within `range_m` of where the vehicle
-/// may be, in the frame of the two that make the trace of the bounded map least. Where the vehicle
-/// is lost among some (by max_landmark_deviation_m), those that came along with it are left out.
-/// Nothing, and the reason in `problem`, if fewer than two landmarks are left, or the estimate is
-/// none (wrong sizes, not finite).
+/// may be or drive, in the frame of the two, of the half that is nearest, that make the trace of
+/// the bounded map least. Where the vehicle is lost among some (by max_landmark_deviation_m), those
+/// that came along with it are left out. Nothing, and the reason in `problem`, if fewer than two
+/// landmarks are left, or the estimate is none (wrong sizes, not finite).
 std::optional<LocalMap> tryMakeLocalMap(const VehicleAmongLandmarks& estimate, double range_m,
                                         const LocalMapConfig& config, std::string& problem);
 
@@ -70,9 +71,10 @@ struct FrameChoice {
   double bounded_trace_m2 = 0.0;  ///< of the bound (37), k = 1, of all in that frame
 };
 
-/// Those two whose frame makes the trace of the bounded map least. `mean` holds x, y of each
-/// landmark, two at least. Costs the fourth power of their number.
-FrameChoice computeBestFrame(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance);
+/// Those two of `candidates` whose frame makes the trace of the bounded map least. `mean` holds x,
+/// y of each landmark. Costs the square of the candidates times the square of the landmarks.
+FrameChoice computeBestFrame(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
+                             const std::vector<int>& candidates);
 
 /// Vehicle and landmarks in the frame of two of these, to first order: (36).
 struct FramedEstimate {

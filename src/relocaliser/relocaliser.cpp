@@ -11,9 +11,6 @@ namespace {
 // Modes that hold less weight than this are not told.
 constexpr double kLeastShare = 1e-4;
 
-// Poses by which the outcome is compared with all other places.
-constexpr std::size_t kRivals = 20000;
-
 /// Moves a Gaussian pose along by a step in its own axes.
 PosePrior moved(const PosePrior& prior, const MotionSince& motion) {
   const Pose2& T = motion.T_begin_end();
@@ -58,6 +55,7 @@ void Relocaliser::beginGlobally(LocalMap map, double time_s) {
 void Relocaliser::begin(LocalMap map, double time_s) {
   beginGlobally(std::move(map), time_s);
   prior_ = map_.vehicle;
+  prior_->covariance *= config_.prior_inflation;
 }
 
 bool Relocaliser::process(const MotionInput& input) {
@@ -146,7 +144,7 @@ RelocaliserOutcome Relocaliser::judge(const std::vector<ObservedPoint>& points,
   if (outcome.doubt.empty()) {
     held_.add(outcome.explanation, motion_.T_begin_end().position().norm());
     outcome.doubt = findDoubt(held_, config_.convergence);
-    if (outcome.doubt.empty() && hasRival(outcome.modes.front().mean)) {
+    if (outcome.doubt.empty() && hasRival(outcome.modes.front().mean, points)) {
       ++counts_.rivals;
       outcome.doubt = "another place explains the last scans nearly as well";
     }
@@ -158,11 +156,11 @@ RelocaliserOutcome Relocaliser::judge(const std::vector<ObservedPoint>& points,
   return outcome;
 }
 
-bool Relocaliser::hasRival(const Pose2& best) {
-  const std::vector<ObservedPoint> points = recent_.points();
-  const DensityMap density(map_.landmarks, points, viewArea_m2(), config_.density);
-  const HelicalRegions regions = regionsOf(points);
-  ParticleSet rivals = sampleHelicalRegions(regions, density, kRivals, generator_);
+bool Relocaliser::hasRival(const Pose2& best, const std::vector<ObservedPoint>& points) {
+  const DensityMap now(map_.landmarks, points, viewArea_m2(), config_.density);
+  ParticleSet rivals = sampleHelicalRegions(regionsOf(points), now,
+                                            static_cast<std::size_t>(config_.rivals), generator_);
+  const DensityMap density(map_.landmarks, recent_.points(), viewArea_m2(), config_.density);
   std::fill(rivals.log_weight.begin(), rivals.log_weight.end(), 0.0F);
   rivals.add(best);
   addLookups(density.grid(), density.lookups().data(), density.lookups().size(), rivals);

@@ -62,13 +62,17 @@ class Relocaliser {
 
   const ParticleSet& particles() const { return filter_.particles(); }
   const LocalMap& map() const { return map_; }
+  /// Where the vehicle may be by its prior and the motion up to the last scan, local frame;
+  /// nothing: anywhere.
+  const std::optional<PosePrior>& prior() const { return prior_; }
   const Counts& counts() const { return counts_; }
 
  private:
   bool isGlobal() const { return !prior_; }
   void start(const std::vector<ObservedPoint>& points);
   RelocaliserOutcome judge(const std::vector<ObservedPoint>& points, const Pose2& T_base_sensor);
-  bool hasRival(const Pose2& best);
+  /// Whether some other place in the prior explains the last scans nearly as well.
+  bool hasRival(const Pose2& best, const std::vector<ObservedPoint>& points);
   HelicalRegions regionsOf(const std::vector<ObservedPoint>& points) const;
   /// Of what can be seen from where the particles are.
   std::vector<LocalLandmark> visibleLandmarks(const std::vector<ObservedPoint>& points) const;

@@ -9,6 +9,8 @@ void RelocaliserConfig::describe(ConfigSchema& schema) {
                  "particles at the start where the vehicle may be anywhere");
   schema.integer("initial_observations", initial_observations, Range::between(2, 100),
                  "fewest observations of the scan that begins");
+  schema.number("prior_inflation", prior_inflation, Range::between(1.0, 100.0),
+                "times the covariance of the prior: the filter was surer than it should have been");
   schema.number("range_m", range_m, Range{1.0, 1000.0},
                 "farthest range at which landmarks are observed");
   schema.number("expected_range_m", expected_range_m, Range{1.0, 1000.0},
@@ -17,6 +19,8 @@ void RelocaliserConfig::describe(ConfigSchema& schema) {
                 "of the sensor, symmetric about its x axis");
   schema.integer("recent_scans", recent_scans, Range::between(1, 100),
                  "scans by which the outcome is compared with all other places");
+  schema.integer("rivals", rivals, Range::between(1000, 5000000),
+                 "other places that the outcome is compared with");
   schema.number("rival_distance_m", rival_distance_m, Range{0.1, 100.0},
                 "a pose farther from the outcome than this is another place ...");
   schema.number("rival_angle_rad", rival_angle_rad, Range{0.01, 3.2},

@@ -11,12 +11,16 @@ namespace hymm::core {
 /// Parameters of the relocaliser, as config/relocaliser.yaml documents them.
 struct RelocaliserConfig {
   int initial_particles = 50000;
-  int global_particles = 400000;   ///< where the vehicle may be anywhere
-  int initial_observations = 3;    ///< a scan with fewer does not begin
+  int global_particles = 400000;  ///< where the vehicle may be anywhere
+  int initial_observations = 3;   ///< a scan with fewer does not begin
+  /// Times the covariance of the prior: a filter that has to be relocalised was surer than it
+  /// should.
+  double prior_inflation = 4.0;
   double range_m = 30.0;           ///< farthest at which landmarks are observed
   double expected_range_m = 20.0;  ///< within which they should be
   double field_of_view_rad = kPi;
   int recent_scans = 10;          ///< by which the outcome is compared with all other places
+  int rivals = 30000;             ///< other places that it is compared with
   double rival_distance_m = 1.5;  ///< beyond it a pose is another place
   double rival_angle_rad = 0.2;
   LocalMapConfig local_map;

@@ -15,18 +15,20 @@ constexpr double kRowPitch_m = 5.0;  // less than the vehicle's uncertainty when
 constexpr double kRowJitter_m = 0.1;
 constexpr double kRowOffset_m = 6.0;     // of the rows from the track
 constexpr double kGapProbability = 0.2;  // what tells a row's parts apart in the end
-constexpr double kAvenue_m = 120.0;      // rows on either side, from the start on
+constexpr double kAvenueStart_m = 15.0;  // so far ahead that the first lap sees all of it
+constexpr double kAvenue_m = 120.0;      // rows on either side
 constexpr double kReach_m = 25.0;
 constexpr double kAreaEach_m2 = 150.0;
 constexpr int kTriesEach = 1000;
 
 Route roundTrip(double length_m) {
   const double width = length_m / 2.0 - kHeight_m + 4.0 * kTurnRadius_m * (1.0 - kPi / 4.0);
-  if (width / 2.0 < kAvenue_m + 2.0 * kTurnRadius_m) {
-    throw ConfigError({"simulation: world 'loop' needs a lap_length_m of at least " +
-                       std::to_string(static_cast<int>(2.0 * (kHeight_m + 2.0 * kAvenue_m) +
-                                                       8.0 * kTurnRadius_m)) +
-                       "."});
+  if (width / 2.0 < kAvenueStart_m + kAvenue_m + 2.0 * kTurnRadius_m) {
+    throw ConfigError(
+        {"simulation: world 'loop' needs a lap_length_m of at least " +
+         std::to_string(static_cast<int>(2.0 * (kHeight_m + 2.0 * (kAvenueStart_m + kAvenue_m)) +
+                                         8.0 * kTurnRadius_m)) +
+         "."});
   }
   return Route::rounded({{0.0, 0.0},
                          {width / 2.0, 0.0},
@@ -36,10 +38,10 @@ Route roundTrip(double length_m) {
                         kTurnRadius_m);
 }
 
-/// Trees of one size at one pitch, on both sides of the track where the vehicle starts and comes
-/// back.
+/// Trees of one size at one pitch, on both sides of the track ahead of where the vehicle starts and
+/// comes back.
 void addAvenue(WorldBuilder& builder, RandomGenerator& generator) {
-  for (double x = 0.0; x <= kAvenue_m; x += kRowPitch_m) {
+  for (double x = kAvenueStart_m; x <= kAvenueStart_m + kAvenue_m; x += kRowPitch_m) {
     for (const double side : {-1.0, 1.0}) {
       if (sampleUniform(generator, 0.0, 1.0) < kGapProbability) continue;
       const Eigen::Vector2d place(x + sampleNormal(generator, kRowJitter_m),
@@ -59,8 +61,9 @@ void addScattered(WorldBuilder& builder, int count, RandomGenerator& generator) 
     const Eigen::Vector2d place(sampleUniform(generator, bounds.min().x(), bounds.max().x()),
                                 sampleUniform(generator, bounds.min().y(), bounds.max().y()));
     if (builder.distanceFromRoute(place, kReach_m) >= kReach_m) continue;
-    const bool in_avenue =
-        place.x() > -5.0 && place.x() < kAvenue_m + 5.0 && std::abs(place.y()) < kRowOffset_m + 4.0;
+    const bool in_avenue = place.x() > kAvenueStart_m - 5.0 &&
+                           place.x() < kAvenueStart_m + kAvenue_m + 5.0 &&
+                           std::abs(place.y()) < kRowOffset_m + 4.0;
     if (in_avenue) continue;
     if (builder.tryAddLandmark(LandmarkType::kTrunk, place, sampleUniform(generator, 0.2, 0.5),
                                2.0)) {

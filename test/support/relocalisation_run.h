@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ namespace hymm::test {
 struct RelocalisationScan {
   double error_m = 0.0;
   double heading_error_rad = 0.0;
+  double cekf_error_m = 0.0;  ///< of the CEKF, which goes on by itself
   core::RelocaliserOutcome outcome;
 };
 
@@ -50,7 +52,12 @@ class LoopRelocalisation {
     return config;
   }
 
-  RelocalisationRun run(const core::RelocaliserConfig& config, std::size_t scans) {
+  /// Called after each scan.
+  using Watch = std::function<void(const core::Relocaliser&, const core::ObservationSet&,
+                                   const core::Pose2& truth, std::size_t scan)>;
+
+  RelocalisationRun run(const core::RelocaliserConfig& config, std::size_t scans,
+                        const Watch& watch = nullptr) {
     const core::VehicleConfig vehicle = core::simulatedCar();
     core::Simulation simulation(config_, vehicle, seed_);
     core::CekfSlamConfig slam_config;
@@ -63,8 +70,8 @@ class LoopRelocalisation {
     while (auto simulated = simulation.next()) {
       way_m += (simulated->T_map_base.position() - last.position()).norm();
       last = simulated->T_map_base;
+      slam.process(simulated->event);
       if (!relocaliser) {
-        slam.process(simulated->event);
         if (way_m < kWayAlone_m) continue;
         begin(slam, vehicle, config, last, relocaliser, result);
         if (!relocaliser) return result;
@@ -77,8 +84,11 @@ class LoopRelocalisation {
         const auto outcome = relocaliser->process(*set);
         if (!outcome) continue;
         const core::Pose2 error = core::inverse(last) * outcome->T_map_base;
-        result.scans.push_back({error.position().norm(), std::abs(error.yaw_rad), *outcome});
-        if (outcome->converged && !result.accepted) result.accepted = result.scans.size() - 1;
+        const double cekf_error_m = (slam.pose().T_map_base.position() - last.position()).norm();
+        if (outcome->converged && !result.accepted) result.accepted = result.scans.size();
+        if (watch) watch(*relocaliser, *set, last, result.scans.size());
+        result.scans.push_back(
+            {error.position().norm(), std::abs(error.yaw_rad), cekf_error_m, *outcome});
         if (result.scans.size() >= scans) break;
       }
     }
@@ -88,7 +98,7 @@ class LoopRelocalisation {
  private:
   static constexpr double kLately_s = 60.0;
   static constexpr double kWayAlone_m = 840.0;  // until here the CEKF meets nothing that it knows
-  static constexpr double kWayRound_m = 890.0;  // from here the avenue is in view: T0
+  static constexpr double kWayRound_m = 900.0;  // from here the avenue is in view: T0
 
   void begin(core::CekfSlam& slam, const core::VehicleConfig& vehicle,
              const core::RelocaliserConfig& config, const core::Pose2& truth,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,12 @@ using test::anyNumber;
 
 /// Rounding of sums over hundreds of entries.
 constexpr double kRounding = 1e-9;
+
+std::vector<int> allOf(Index landmarks) {
+  std::vector<int> all(static_cast<std::size_t>(landmarks));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
 
 RandomGenerator anyGenerator() { return RandomGenerator(anyInteger(0U, 1000000U)); }
 
@@ -108,7 +115,8 @@ RC_GTEST_PROP(BlockBound, OfADrivenMapIsWithinATenthOfTheBest, ()) {
   const Joint joint = jointOf(anyDrivenMap(generator, 40));
   const Index states = joint.mean.size() - 3;
   const FrameChoice frame =
-      computeBestFrame(joint.mean.tail(states), joint.covariance.bottomRightCorner(states, states));
+      computeBestFrame(joint.mean.tail(states), joint.covariance.bottomRightCorner(states, states),
+                       allOf(states / 2));
   const MatrixXd P = expressInFrame(joint.mean, joint.covariance, frame.origin, frame.axis)
                          .covariance.bottomRightCorner(states, states);
   const std::vector<CovarianceBlock> blocks(static_cast<std::size_t>(states / 2));
@@ -142,7 +150,8 @@ RC_GTEST_PROP(LocalFrame, NoOtherPairOfLandmarksBoundsTighter, ()) {
   const Index states = joint.mean.size() - 3;
   const int n = static_cast<int>(states) / 2;
   const FrameChoice best =
-      computeBestFrame(joint.mean.tail(states), joint.covariance.bottomRightCorner(states, states));
+      computeBestFrame(joint.mean.tail(states), joint.covariance.bottomRightCorner(states, states),
+                       allOf(states / 2));
   double least = std::numeric_limits<double>::infinity();
   for (int a = 0; a < n; ++a) {
     for (int b = 0; b < n; ++b) {

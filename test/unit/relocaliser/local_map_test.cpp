@@ -37,8 +37,8 @@ std::vector<int> idsOf(const LocalMap& map) {
   return ids;
 }
 
-std::optional<LocalMap> makeMap(const VehicleAmongLandmarks& estimate,
-                                const LocalMapConfig& config = {}) {
+std::optional<LocalMap> makeMap(const VehicleAmongLandmarks& estimate, LocalMapConfig config = {}) {
+  config.travel_m = 0.0;
   std::string problem;
   return tryMakeLocalMap(estimate, 30.0, config, problem);
 }

