@@ -139,7 +139,7 @@ bool HymmGridNode::matchScan(MatchScan::Request& request, MatchScan::Response& r
   }
   core::PoseEstimate pose = last_pose_;
   if (request.use_guess) pose.T_map_base = fromMessage(request.guess);
-  const core::PosedScan posed = core::posedScan(scan, pose);
+  const core::PosedScan posed = mapper_.posed(scan, pose);
   const core::ScanMatcher& matcher = mapper_.matcher();
   const core::ScanAgreement agreement =
       matcher.agreement(mapper_.map(), posed.scan, posed.T_map_laser);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -9,12 +10,15 @@
 
 namespace hymm::core {
 
-PosedScan posedScan(const LaserScan& scan, const PoseEstimate& pose) {
+PosedScan posedScan(const LaserScan& scan, const PoseEstimate& pose, double min_range_m) {
   PosedScan posed;
   posed.scan = scan;
   const auto offset_m = static_cast<float>(pose.range_offset_m);
-  if (offset_m != 0.0F) {
-    for (float& range_m : posed.scan.ranges_m) range_m -= offset_m;
+  for (float& range_m : posed.scan.ranges_m) {
+    range_m -= offset_m;
+    if (static_cast<double>(range_m) < min_range_m) {
+      range_m = std::numeric_limits<float>::quiet_NaN();
+    }
   }
   posed.T_map_laser = pose.T_map_base * pose.T_base_sensor;
   posed.map_version = pose.map_version;
@@ -30,6 +34,10 @@ PosedScan posedScan(const LaserScan& scan, const PoseEstimate& pose) {
   return posed;
 }
 
+PosedScan GridMapper::posed(const LaserScan& scan, const PoseEstimate& pose) const {
+  return posedScan(scan, pose, min_range_m_);
+}
+
 MappedOutcome GridMapper::process(const MappedScan& step) {
   const CpuTimer timer(cpu_s_);
   MappedOutcome outcome;
@@ -41,7 +49,7 @@ MappedOutcome GridMapper::process(const MappedScan& step) {
     ++counts_.without_landmarks;
     outcome.reason = landmarks.reason;
   } else if (step.scan) {
-    const PosedScan posed = posedScan(*step.scan, step.pose);
+    const PosedScan posed = this->posed(*step.scan, step.pose);
     if (agreement_due_.takeIfDue(step.pose.time_s)) {
       outcome.agreement = matcher_.agreement(map_, posed.scan, posed.T_map_laser);
     }

@@ -44,7 +44,7 @@ class GridMapper {
 
   /// Throws ConfigError if the configuration is unusable.
   explicit GridMapper(const HymmGridConfig& config)
-      : map_(config.map), matcher_(config.scan_matching) {}
+      : map_(config.map), matcher_(config.scan_matching), min_range_m_(config.min_range_m) {}
 
   MappedOutcome process(const MappedScan& step);
 
@@ -56,6 +56,8 @@ class GridMapper {
 
   const HybridMap& map() const { return map_; }
   const ScanMatcher& matcher() const { return matcher_; }
+  /// A scan as it would be written from a pose.
+  PosedScan posed(const LaserScan& scan, const PoseEstimate& pose) const;
   /// The last whole map of the landmarks, whose covariances tell the shape factors; null at first.
   const std::shared_ptr<const LandmarkMap>& landmarks() const { return landmarks_; }
   std::vector<LtrTopology> topology() const;
@@ -67,6 +69,7 @@ class GridMapper {
 
   HybridMap map_;
   ScanMatcher matcher_;
+  double min_range_m_;
   StampSchedule agreement_due_{1.0};
   std::shared_ptr<const LandmarkMap> landmarks_;
   Counts counts_;
@@ -74,7 +77,7 @@ class GridMapper {
 };
 
 /// The scan with its sensor's pose in the map, and the deviations of that pose relative to the
-/// landmarks around.
-PosedScan posedScan(const LaserScan& scan, const PoseEstimate& pose);
+/// landmarks around. Ranges below `min_range_m` become no measurement (NaN).
+PosedScan posedScan(const LaserScan& scan, const PoseEstimate& pose, double min_range_m);
 
 }  // namespace hymm::core

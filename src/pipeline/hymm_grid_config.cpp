@@ -4,6 +4,8 @@ namespace hymm::core {
 
 void HymmGridConfig::describe(ConfigSchema& schema) {
   map.describe(schema);
+  schema.number("min_range_m", min_range_m, Range::notNegative(),
+                "beams that end nearer hit the vehicle itself, and are not written");
   schema.group("image", image);
   schema.group("scan_matching", scan_matching);
   schema.number("publish_rate_hz", publish_rate_hz, Range{0.0, 100.0, true},

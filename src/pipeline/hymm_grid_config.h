@@ -10,6 +10,7 @@ namespace hymm::core {
 /// Parameters of the node `hymm_grid`, as config/hymm_grid.yaml documents them.
 struct HymmGridConfig {
   HybridMapConfig map;  ///< its names stand at the top level
+  double min_range_m = 1.0;
   MapImageConfig image;
   ScanMatcherConfig scan_matching;
   double publish_rate_hz = 1.0;

@@ -119,7 +119,7 @@ TEST(PosedScan, StandsWhereTheSensorDoes) {
   PoseEstimate pose;
   pose.T_map_base = {10.0, 5.0, kPi / 2.0};
   pose.T_base_sensor = {3.0, 0.0, 0.0};
-  const PosedScan posed = posedScan(LaserScan(), pose);
+  const PosedScan posed = posedScan(LaserScan(), pose, 0.0);
   EXPECT_NEAR(posed.T_map_laser.x_m, 10.0, 1e-12);
   EXPECT_NEAR(posed.T_map_laser.y_m, 8.0, 1e-12);
 }
@@ -129,8 +129,16 @@ TEST(PosedScan, LosesTheSystematicErrorOfItsRanges) {
   pose.range_offset_m = 0.25;
   LaserScan scan;
   scan.ranges_m = {2.0F, std::numeric_limits<float>::infinity()};
-  EXPECT_THAT(posedScan(scan, pose).scan.ranges_m,
+  EXPECT_THAT(posedScan(scan, pose, 0.0).scan.ranges_m,
               testing::ElementsAre(1.75F, std::numeric_limits<float>::infinity()));
+}
+
+TEST(PosedScan, LeavesOutBeamsThatHitTheVehicleItself) {
+  LaserScan scan;
+  scan.ranges_m = {0.8F, 2.0F};
+  const PosedScan posed = posedScan(scan, PoseEstimate(), 1.0);
+  EXPECT_TRUE(std::isnan(posed.scan.ranges_m[0]));
+  EXPECT_EQ(posed.scan.ranges_m[1], 2.0F);
 }
 
 TEST(PosedScan, HeadingErrorShiftsASensorInFrontOfTheVehicle) {
@@ -138,7 +146,7 @@ TEST(PosedScan, HeadingErrorShiftsASensorInFrontOfTheVehicle) {
   pose.T_map_base = {10.0, 5.0, 0.4};
   pose.relative_covariance = Eigen::Vector3d(0.0016, 0.0016, 0.0001).asDiagonal();
   pose.T_base_sensor = {3.0, 0.0, 0.0};
-  const PosedScan posed = posedScan(LaserScan(), pose);
+  const PosedScan posed = posedScan(LaserScan(), pose, 0.0);
   EXPECT_NEAR(posed.pose_deviation_m, std::sqrt(0.0016 + 9.0 * 0.0001), 1e-12);
   EXPECT_NEAR(posed.heading_deviation_rad, 0.01, 1e-12);
 }
