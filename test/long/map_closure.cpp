@@ -167,7 +167,7 @@ class Drive {
     MappedScan mapped;
     mapped.pose = outcome.pose;
     mapped.update = filter_.takeUpdate();
-    mapped.scan = scan;
+    mapped.scan = scan.scan;
     const bool corrected = filter_.counts().map_corrections > corrections_;
     corrections_ = filter_.counts().map_corrections;
     if (schedule_.isDue(time_s_, corrected)) {
@@ -178,11 +178,11 @@ class Drive {
     const MappedOutcome mapping = mapper_.process(mapped);
     if (mapping.topology) filter_.pinLandmarks(time_s_, mapper_.map().pinnedLandmarks());
     if (mapping.written) {
-      const PosedScan posed = posedScan(scan, outcome.pose);
+      const PosedScan posed = mapper_.posed(scan.scan, outcome.pose);
       flat_.insert(posed.scan, posed.T_map_laser);
       noteSeen(scan, T_map_base_true * scan.T_base_laser);
     }
-    if (memory_.isDue(time_s_)) memory_.add(memoryOf(mapper_.map(), time_s_));
+    if (memory_due_.takeIfDue(time_s_)) memory_.add(memoryOf(mapper_.map(), time_s_));
     if (simulation_.progress() * options_.laps > 0.7 && !sampled_) {
       sample(outcome.pose.T_map_base, T_map_base_true);
     }
@@ -256,6 +256,7 @@ class Drive {
   MapImage image_;
   benchmarks::FlatGrid flat_;
   MapMemoryLog memory_;
+  StampSchedule memory_due_{kMemoryLogPeriod_s};
   std::size_t corrections_ = 0;
   double time_s_ = 0.0, correction_m_ = 0.0, position_error_m_ = 0.0, sample_error_m_ = 0.0;
   std::optional<Eigen::Vector2d> sampled_;  ///< its true place
