@@ -121,8 +121,10 @@ void HymmGridNode::process(const PairedScan& paired) {
   step.update = fromMessage(*paired.update);
   step.pose.map_version = step.update.version;
   if (paired.map) step.map = std::make_shared<const core::LandmarkMap>(fromMessage(*paired.map));
+  bool begins_anew = false;
   if (paired.pose) {
-    if (filter_resets_ && *filter_resets_ != paired.pose->resets) beginAnew();
+    begins_anew = filter_resets_ && *filter_resets_ != paired.pose->resets;
+    if (begins_anew) beginAnew();
     filter_resets_ = paired.pose->resets;
     step.pose = fromMessage(*paired.pose);
     last_pose_ = step.pose;
@@ -136,7 +138,9 @@ void HymmGridNode::process(const PairedScan& paired) {
     step.scan.reset();
     causes_.count("scans while paused", "Scans are not written while the node is paused.");
   }
-  tell(mapper_.process(step), paired);
+  core::MappedOutcome outcome = mapper_.process(step);
+  outcome.topology = outcome.topology || begins_anew;
+  tell(outcome, paired);
   step_wall_s_ = steadyNow();
   is_settled_ = false;
 }

@@ -229,8 +229,8 @@ class GridTest(unittest.TestCase):
         self.robot.time_s -= 100.0
         type(self).x = 0.0
         self.drive(8)
-        self.wait_for(lambda: self.ltrs[-1].landmark_version > before and not self.ltrs[-1].ltrs,
-                      "a map without LTRs")
+        self.wait_for(lambda: any(ltrs.landmark_version > before and not ltrs.ltrs
+                                  for ltrs in list(self.ltrs)), "a map without LTRs")
 
 
 if __name__ == "__main__":
