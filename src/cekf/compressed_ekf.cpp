@@ -107,8 +107,10 @@ MatrixXd CompressedEkf::jointCovariance(const std::vector<int>& slots) const {
 void CompressedEkf::predict(const VectorXd& vehicle, const MatrixXd& J, const MatrixXd& Q) {
   const int n = vehicle_states_;
   x_.head(n) = vehicle;
-  P_.topLeftCorner(n, n) = (J * MatrixXd(symmetric(P_, n)) * J.transpose() + Q).eval();
-  pending_J_ = J * pending_J_;
+  // Lazy: too small to be worth packing, and there are many between two scans.
+  const MatrixXd JP = J.lazyProduct(MatrixXd(symmetric(P_, n)));
+  P_.topLeftCorner(n, n) = JP.lazyProduct(J.transpose()) + Q;
+  pending_J_ = J.lazyProduct(pending_J_).eval();
   motion_pending_ = true;
 }
 
@@ -146,7 +148,7 @@ MatrixXd CompressedEkf::measurementTimesCovariance(const SparseMeasurement& meas
 MatrixXd CompressedEkf::measurementTimesPhi(const SparseMeasurement& measurement) const {
   MatrixXd Hphi = MatrixXd::Zero(2, origin_states_);
   if (measurement.H_vehicle.cols() > 0) {
-    Hphi += measurement.H_vehicle * phi_.topLeftCorner(vehicle_states_, origin_states_);
+    Hphi += measurement.H_vehicle.lazyProduct(phi_.topLeftCorner(vehicle_states_, origin_states_));
   }
   for (int k = 0; k < 2; ++k) {
     if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
@@ -162,7 +164,10 @@ Matrix2d CompressedEkf::innovationCovariance(const SparseMeasurement& a,
   const int nv = vehicle_states_;
   Matrix2d S = Matrix2d::Zero();
   const bool vehicle_a = a.H_vehicle.cols() > 0, vehicle_b = b.H_vehicle.cols() > 0;
-  if (vehicle_a && vehicle_b) S += a.H_vehicle * symmetric(P_, nv) * b.H_vehicle.transpose();
+  if (vehicle_a && vehicle_b) {
+    const MatrixXd HP = a.H_vehicle.lazyProduct(MatrixXd(symmetric(P_, nv)));
+    S += HP.lazyProduct(b.H_vehicle.transpose());
+  }
   for (int i = 0; i < 2; ++i) {
     if (a.landmarks[i] == SparseMeasurement::kNone) continue;
     const int row = rowOf(a.landmarks[i]);
@@ -172,7 +177,8 @@ Matrix2d CompressedEkf::innovationCovariance(const SparseMeasurement& a,
     if (b.landmarks[j] == SparseMeasurement::kNone) continue;
     const int row = rowOf(b.landmarks[j]);
     if (vehicle_a) {
-      S += a.H_vehicle * P_.block(row, 0, 2, nv).transpose() * b.H_landmarks[j].transpose();
+      S += a.H_vehicle.lazyProduct(P_.block(row, 0, 2, nv).transpose()) *
+           b.H_landmarks[j].transpose();
     }
     for (int i = 0; i < 2; ++i) {
       if (a.landmarks[i] == SparseMeasurement::kNone) continue;
