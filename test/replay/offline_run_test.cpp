@@ -257,7 +257,7 @@ TEST_F(Offline, WritesTheDenseMapUnlessItIsLeftOut) {
   EXPECT_EQ(summary("filter")["ltrs"].as<std::size_t>(), 0u);
 }
 
-TEST_F(Offline, TheFilterIsTheSameWithAndWithoutADenseMap) {
+TEST_F(Offline, TheDenseMapDoesNotChangeAFilterThatDropsNothing) {
   const std::string bag = test::writeDriveBag(folder_ / "a.bag", {});
   ASSERT_EQ(run(bag, "all").exit_code, 0);
   ASSERT_EQ(run(bag, "filter", "--only cekf_slam").exit_code, 0);
