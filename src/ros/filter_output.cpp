@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::uint32_t kQueue = 10000;  // a recorder wants every message, however late it reads
 constexpr bool kLatched = true;
+constexpr int kMostMapsOnTheirWay = 10;
 
 }  // namespace
 
@@ -100,18 +101,20 @@ bool FilterOutput::publishMapIfDue(core::CekfSlam& filter, double time_s, bool l
   return publishMap(filter);
 }
 
-/// False, and the map is overdue, while the last one is still on its way.
+/// False, and the map is overdue, while too many are on their way. That some are must not change
+/// which maps there are: these decide how the dense map grows.
 bool FilterOutput::publishMap(core::CekfSlam& filter) {
-  map_is_overdue_ = map_on_its_way_->exchange(true);
+  map_is_overdue_ = *maps_on_their_way_ >= kMostMapsOnTheirWay;
   if (map_is_overdue_) return false;
+  ++*maps_on_their_way_;
   map_version_ = filter.mapVersion();
   map_was_sent_ = true;
-  filter.requestMap(block_range_m_, [on_its_way = map_on_its_way_, landmarks = landmarks_,
+  filter.requestMap(block_range_m_, [on_their_way = maps_on_their_way_, landmarks = landmarks_,
                                      markers = landmark_markers_, range_m = block_range_m_,
                                      frame = map_frame_](const core::LandmarkMap& map) {
     landmarks.publish(toMessage(map, range_m, frame));
     markers.publish(landmarkMarkers(map, frame));
-    *on_its_way = false;
+    --*on_their_way;
   });
   return true;
 }

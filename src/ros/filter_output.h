@@ -40,10 +40,10 @@ class FilterOutput {
   std::string map_frame_;
   double block_range_m_;
   std::uint64_t map_version_ = 0;  ///< of the last map asked for
-  std::shared_ptr<std::atomic<bool>> map_on_its_way_ = std::make_shared<std::atomic<bool>>(false);
+  std::shared_ptr<std::atomic<int>> maps_on_their_way_ = std::make_shared<std::atomic<int>>(0);
   core::MapSchedule schedule_;
   bool map_was_sent_ = false;
-  bool map_is_overdue_ = false;  ///< the last one asked for was still on its way
+  bool map_is_overdue_ = false;  ///< too many were on their way when it was due
   std::size_t map_corrections_ = 0;
   ros::Publisher observations_, landmarks_, updates_, pose_, health_;
   ros::Publisher landmark_markers_, observation_markers_;
