@@ -23,10 +23,6 @@ Matrix2d differenceCovariance(const DuplicateLandmarks& a, const DuplicateLandma
          filter.covariance(a.kept, b.gone) + filter.covariance(a.kept, b.kept);
 }
 
-bool sameKind(LandmarkType a, LandmarkType b) {
-  return a == b || a == LandmarkType::kUnknown || b == LandmarkType::kUnknown;
-}
-
 }  // namespace
 
 DuplicateSearch::DuplicateSearch(const LandmarkConfig& landmarks,
@@ -69,7 +65,7 @@ std::vector<DuplicateSearch::Candidate> DuplicateSearch::candidatesOf(
     // What was still seen when the recent one came into the map is another object.
     if (slot == recent.slot || older.last_seen_s >= recent.first_seen_s) continue;
     if ((older.position - recent.position).norm() > reach_m) continue;
-    if (!sameKind(older.type, recent.type) || are_distinct(slot, recent.slot)) continue;
+    if (!mayBeOneKind(older.type, recent.type) || are_distinct(slot, recent.slot)) continue;
     filter.activate(recent.slot);
     filter.activate(slot);
     Candidate candidate;

@@ -248,9 +248,7 @@ bool LandmarkLifeCycle::areOneObject(const RegisteredLandmark& a, const Register
                                      CompressedEkf& filter) const {
   if (areDistinct(a.id, b.id)) return false;
   if (a.identity >= 0 || b.identity >= 0) return false;
-  if (a.type != b.type && a.type != LandmarkType::kUnknown && b.type != LandmarkType::kUnknown) {
-    return false;
-  }
+  if (!mayBeOneKind(a.type, b.type)) return false;
   filter.activate(a.slot);
   filter.activate(b.slot);
   const Vector2d difference = filter.landmark(a.slot) - filter.landmark(b.slot);

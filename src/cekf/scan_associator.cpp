@@ -19,10 +19,6 @@ using Eigen::Vector2d;
 // What a person would call the same object, whatever the covariances say.
 constexpr double kSearchMargin_m = 0.5;
 
-bool sameKind(LandmarkType a, LandmarkType b) {
-  return a == b || a == LandmarkType::kUnknown || b == LandmarkType::kUnknown;
-}
-
 double largestDeviation(const Matrix2d& covariance) {
   return std::sqrt(std::max(covariance.trace(), 0.0));
 }
@@ -173,7 +169,7 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
     const double chance_density = config_.unmapped_density_per_m2 * observation.range_m;
     const bool is_near = distance2 <= std::max(new_landmark_gate_, individual_gate_);
     if (is_near && isPlaceKnown(S, chance_density)) result.claimed[i] = true;
-    if (distance2 > individual_gate_ || !sameKind(observation.type, landmark.type)) continue;
+    if (distance2 > individual_gate_ || !mayBeOneKind(observation.type, landmark.type)) continue;
     const double cue = config_.use_diameter
                            ? diameterCost(observation, landmark, config_.diameter_irregularity_m)
                            : 0.0;

@@ -11,6 +11,11 @@ namespace hymm::core {
 
 enum class LandmarkType { kUnknown = 0, kTrunk = 1, kReflector = 2 };
 
+/// Whether two things can be one object, as far as their types tell.
+inline bool mayBeOneKind(LandmarkType a, LandmarkType b) {
+  return a == b || a == LandmarkType::kUnknown || b == LandmarkType::kUnknown;
+}
+
 /// One landmark as a sensor sees it, in the sensor's frame: its centre in range and bearing.
 struct Observation {
   double range_m = 0.0;
