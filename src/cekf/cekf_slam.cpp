@@ -370,7 +370,7 @@ class CekfSlam::Impl {
     life_cycle_.refreshNear(VehicleState::pose(estimate_.filter).position(), kRefreshRadius_m,
                             estimate_.filter);
     area_.demandUpdate();
-    if (!config_.update.atFirstEstimates()) return;
+    if (!config_.update.atFirstEstimates() || !config_.update.reset_first_estimates) return;
     ++counts_.first_estimate_resets;
     life_cycle_.resetFirstEstimates(estimate_.filter);
     estimate_.vehicle.resetFirstEstimate(estimate_.filter);
