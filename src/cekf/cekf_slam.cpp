@@ -178,6 +178,18 @@ class CekfSlam::Impl {
                                        std::move(take));
   }
 
+  bool requestVehicleAmongLandmarks(const std::vector<int>& ids,
+                                    std::function<void(VehicleAmongLandmarks)> take) {
+    VehicleAmongLandmarks header;
+    header.vehicle = {VehicleState::pose(estimate_.filter),
+                      estimate_.filter.vehicleCovariance().topLeftCorner<3, 3>()};
+    header.landmarks.version = version_;
+    header.landmarks.time_s = estimate_.vehicle.time_s();
+    header.landmarks.ids = ids;
+    return core::requestVehicleAmongLandmarks(life_cycle_.registry(), std::move(header),
+                                              estimate_.filter, std::move(take));
+  }
+
   LandmarkUpdate takeUpdate() {
     LandmarkLifeCycle::Changes changes = life_cycle_.takeChanges();
     LandmarkUpdate update;
@@ -463,6 +475,23 @@ bool CekfSlam::hasLandmark(int id) const { return impl_->hasLandmark(id); }
 bool CekfSlam::requestJointLandmarks(const std::vector<int>& ids,
                                      std::function<void(JointLandmarks)> take) {
   return impl_->requestJointLandmarks(ids, std::move(take));
+}
+bool CekfSlam::requestVehicleAmongLandmarks(const std::vector<int>& ids,
+                                            std::function<void(VehicleAmongLandmarks)> take) {
+  return impl_->requestVehicleAmongLandmarks(ids, std::move(take));
+}
+void CekfSlam::keepLocalStates(int) {}
+std::optional<LocalStateSpan> CekfSlam::localStates() const { return std::nullopt; }
+bool CekfSlam::suspend(double) { return false; }
+bool CekfSlam::isSuspended() const { return false; }
+Resumption CekfSlam::resume(double, const std::vector<PlaceAtScan>&) {
+  return resumeWithoutClosing(0.0);
+}
+Resumption CekfSlam::resumeWithoutClosing(double) {
+  Resumption refused;
+  refused.refusal = Resumption::Refusal::kNotKept;
+  refused.reason = "No local states are kept.";
+  return refused;
 }
 LandmarkUpdate CekfSlam::takeUpdate() { return impl_->takeUpdate(); }
 void CekfSlam::pinLandmarks(double time_s, const std::vector<int>& ids) {

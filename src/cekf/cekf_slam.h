@@ -11,6 +11,8 @@
 
 #include "cekf/cekf_slam_config.h"
 #include "cekf/landmark_map.h"
+#include "cekf/resumption.h"
+#include "cekf/vehicle_among_landmarks.h"
 #include "cekf/vehicle_state.h"
 #include "common/pose2.h"
 #include "common/serial_worker.h"
@@ -63,6 +65,9 @@ struct ScanOutcome {
   ObservationSet observations;
   std::vector<Association> associations;  ///< as long as observations.observations
   double largest_correction_m = 0.0;      ///< of an active landmark, by this scan
+  /// The filter waits, see CekfSlam::suspend(): the pose is carried on by the motion alone, nothing
+  /// was associated, and health says nothing but the deviations.
+  bool suspended = false;
 };
 
 /// Landmark SLAM with a compressed EKF: the engine of the node `cekf_slam`. Events come in time
@@ -95,6 +100,9 @@ class CekfSlam {
     std::size_t iterated_updates = 0;
     std::size_t first_estimate_resets = 0;
     std::size_t resets = 0;
+    std::size_t resumed = 0;              ///< returns that were accepted, closing or not
+    std::size_t refused_resumptions = 0;  ///< of either kind
+    std::size_t forgotten_states = 0;     ///< scans given up early, see keepLocalStates()
   };
 
   /// CPU of the parts, in seconds, since construction.
@@ -139,6 +147,44 @@ class CekfSlam {
   /// False, and nothing happens, if there is no landmark of one of these ids.
   bool requestJointLandmarks(const std::vector<int>& ids, std::function<void(JointLandmarks)> take);
   bool hasLandmark(int id) const;
+
+  /// The same together with the vehicle: their joint Gaussian, with the covariance between both.
+  /// While suspended it is as of T0.
+  bool requestVehicleAmongLandmarks(const std::vector<int>& ids,
+                                    std::function<void(VehicleAmongLandmarks)> take);
+
+  // --- The way back: see cekf/resumption.h ----------------------------------------------------
+
+  /// Keeps what it takes to go back to each of the last `scans` scans (0: to none, as at the
+  /// start). Meanwhile a global update waits until no scan before it can be gone back to; when the
+  /// active part would grow beyond twice its bound by that, the oldest scans are given up and
+  /// counted as forgotten. Costs memory (see localStates()) and a copy of the landmarks' register
+  /// every few scans.
+  void keepLocalStates(int scans);
+  /// Nothing if there is none: not asked for, no scan yet, or just reset.
+  std::optional<LocalStateSpan> localStates() const;
+
+  /// Goes back to the scan with the stamp `time_T0_s`, and waits there. From now on events are kept
+  /// for resume(), and used for the pose alone, which is carried along by the motion; map, joint
+  /// estimates and calibration are as of T0. False, and nothing happens, if that scan is not kept.
+  /// If suspended already: goes back farther, with what came since still kept. Ends with an
+  /// accepted resumption, or with reset(). Events are kept for at most `kLongestSuspension_s`;
+  /// beyond, those of the path's beginning are lost to resume(), which then refuses.
+  bool suspend(double time_T0_s);
+  bool isSuspended() const;
+  static constexpr double kLongestSuspension_s = 300.0;
+
+  /// Goes back to the scan at T0 and replays all events since, with the associations that `path`
+  /// makes plain: poses at scans after T0, in the order of time, at least one. Scans before the
+  /// first of them move the vehicle only. The first scan of the path that shows enough landmarks
+  /// closes the loop: all of them jointly, linearised at the path, under a chi-square gate of
+  /// 0.999; if they do not pass, the covariance of the vehicle's pose is taken up to 9 times. From
+  /// there on scans are processed as ever. The path's errors do not enter the filter: it only tells
+  /// which is which. If refused, all is as before, and those scans are kept still.
+  Resumption resume(double time_T0_s, const std::vector<PlaceAtScan>& path);
+  /// Goes back to the scan at T0 and on to now as if nothing had been observed since: dead
+  /// reckoning, no loop is closed. Refused only if the scan is not kept.
+  Resumption resumeWithoutClosing(double time_T0_s);
 
   /// What changed since the last call, or since the start.
   LandmarkUpdate takeUpdate();

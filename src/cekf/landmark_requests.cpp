@@ -56,4 +56,25 @@ bool requestJointLandmarks(const LandmarkRegistry& registry, JointLandmarks head
   return true;
 }
 
+bool requestVehicleAmongLandmarks(const LandmarkRegistry& registry, VehicleAmongLandmarks header,
+                                  CompressedEkf& filter,
+                                  std::function<void(VehicleAmongLandmarks)> take) {
+  header.cross_covariance.resize(3, 2 * static_cast<Eigen::Index>(header.landmarks.ids.size()));
+  Eigen::Index column = 0;
+  for (const int id : header.landmarks.ids) {
+    if (!registry.contains(id)) return false;
+    header.cross_covariance.middleCols<2>(column) =
+        filter.vehicleLandmarkCovariance(registry.byId(id).slot).topRows<3>();
+    column += 2;
+  }
+  JointLandmarks joint = std::move(header.landmarks);
+  return requestJointLandmarks(
+      registry, std::move(joint), filter,
+      [header = std::move(header), take = std::move(take)](JointLandmarks landmarks) {
+        VehicleAmongLandmarks estimate = header;
+        estimate.landmarks = std::move(landmarks);
+        take(std::move(estimate));
+      });
+}
+
 }  // namespace hymm::core

@@ -5,6 +5,7 @@
 #include "cekf/compressed_ekf.h"
 #include "cekf/landmark_map.h"
 #include "cekf/landmark_registry.h"
+#include "cekf/vehicle_among_landmarks.h"
 
 namespace hymm::core {
 
@@ -20,5 +21,10 @@ void requestMap(const LandmarkRegistry& registry, LandmarkMap header, double blo
 /// there is no landmark of one of these ids.
 bool requestJointLandmarks(const LandmarkRegistry& registry, JointLandmarks header,
                            CompressedEkf& filter, std::function<void(JointLandmarks)> take);
+
+/// The same together with the vehicle, of which `header` tells pose and covariance.
+bool requestVehicleAmongLandmarks(const LandmarkRegistry& registry, VehicleAmongLandmarks header,
+                                  CompressedEkf& filter,
+                                  std::function<void(VehicleAmongLandmarks)> take);
 
 }  // namespace hymm::core
