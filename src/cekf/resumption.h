@@ -29,7 +29,7 @@ struct PlaceAtScan {
 /// What came of going back to an earlier scan.
 struct Resumption {
   enum class Refusal {
-    kNone,          ///< accepted
+    kNotRefused,
     kNotKept,       ///< the scan is not among those that can be gone back to
     kUnusablePath,  ///< empty, not finite, not in the order of time, or of other scans than are
                     ///< kept
@@ -37,7 +37,7 @@ struct Resumption {
     kContradiction  ///< what it shows contradicts the covariances, even with the vehicle's inflated
   };
 
-  Refusal refusal = Refusal::kNone;
+  Refusal refusal = Refusal::kNotRefused;
   std::string reason;          ///< a sentence: what was done, or why not and what to do
   double closed_s = 0.0;       ///< stamp of the scan that closed the loop
   int closing_pairs = 0;       ///< observations and landmarks that closed it, jointly
@@ -47,7 +47,7 @@ struct Resumption {
   std::size_t scans = 0;       ///< replayed
   std::size_t identified = 0;  ///< of the observations replayed, told by the path
 
-  bool accepted() const { return refusal == Refusal::kNone; }
+  bool accepted() const { return refusal == Refusal::kNotRefused; }
 };
 
 /// What can be gone back to, by the stamps of scans.
