@@ -39,6 +39,42 @@ geometry_msgs::Point pointOf(const Eigen::Vector2d& place) {
   return point;
 }
 
+/// From green, as cheap as the cheapest ground, to red, four times as dear.
+std_msgs::ColorRGBA colourOf(double dearness) {
+  const auto share = static_cast<float>(std::clamp((dearness - 1.0) / 3.0, 0.0, 1.0));
+  std_msgs::ColorRGBA colour;
+  colour.r = share;
+  colour.g = 1.0F - share;
+  colour.a = 0.6F;
+  return colour;
+}
+
+/// Lines between the doors of an LTR, from middle to middle, coloured by what a metre costs there.
+void addCosts(const core::DoorGraph& graph, int number, visualization_msgs::Marker& costs) {
+  const core::GraphLtr& ltr = graph.ltr(number);
+  if (!ltr.matrix) return;
+  std::vector<int> middles;
+  for (const int side : ltr.sides) {
+    if (side == core::kNone) continue;
+    for (const core::Door& door : graph.side(side).doors->doors) {
+      middles.push_back(graph.side(side).first_portal +
+                        static_cast<int>(door.first_portal + door.portals / 2));
+    }
+  }
+  for (const int from : middles) {
+    for (const int to : middles) {
+      const double length_m = (graph.placeOf(to) - graph.placeOf(from)).norm();
+      const double cost =
+          ltr.factor * static_cast<double>(ltr.matrix->cost(graph.portalIn(number, from),
+                                                            graph.portalIn(number, to)));
+      if (from >= to || !std::isfinite(cost) || !(length_m > 0.0)) continue;
+      costs.points.push_back(pointOf(graph.placeOf(from)));
+      costs.points.push_back(pointOf(graph.placeOf(to)));
+      costs.colors.resize(costs.points.size(), colourOf(cost / (length_m * graph.leastPerMetre())));
+    }
+  }
+}
+
 }  // namespace
 
 nav_msgs::Path pathMessage(const std::vector<Eigen::Vector2d>& path,
@@ -80,11 +116,16 @@ visualization_msgs::MarkerArray doorMarkers(const core::DoorGraph& graph,
       }
     }
   }
+  visualization_msgs::Marker costs =
+      marker(header, "costs", visualization_msgs::Marker::LINE_LIST, 0.05);
+  for (std::size_t number = 0; number < graph.ltrs().size(); ++number) {
+    addCosts(graph, static_cast<int>(number), costs);
+  }
   for (int portal = 0; portal < graph.portalCount(); ++portal) {
     portals.points.push_back(pointOf(graph.placeOf(portal)));
   }
   visualization_msgs::MarkerArray markers;
-  markers.markers = {doors, portals};
+  markers.markers = {doors, portals, costs};
   return markers;
 }
 

@@ -17,7 +17,8 @@ namespace hymm {
 nav_msgs::Path pathMessage(const std::vector<Eigen::Vector2d>& path,
                            const std_msgs::Header& header);
 
-/// Doors as lines, portals as points: the namespaces `doors` and `portals`.
+/// Doors as lines, portals as points, and lines between the doors of an LTR by what a metre costs
+/// there, from green to red: the namespaces `doors`, `portals` and `costs`.
 visualization_msgs::MarkerArray doorMarkers(const core::DoorGraph& graph,
                                             const std_msgs::Header& header);
 
