@@ -38,13 +38,13 @@ int exitOf(const Triangle::Local& from, const Triangle::Local& along, double at,
 }  // namespace
 
 DoorGraph::DoorGraph(std::vector<GraphLtr> ltrs, std::vector<GraphSide> sides,
-                     double max_metric_error, double shape_tolerance)
+                     double max_metric_error)
     : ltrs_(std::move(ltrs)), sides_(std::move(sides)), max_metric_error_(max_metric_error) {
   numberPortals();
   for (const GraphLtr& ltr : ltrs_) {
-    if (ltr.costs) least_ = std::min(least_, ltr.costs->leastPerMetre());
+    if (!ltr.costs) continue;
+    least_ = std::min(least_, ltr.factor * ltr.costs->leastPerMetre() / ltr.stretch);
   }
-  least_ /= 1.0 + shape_tolerance;
   index();
   prepareSearch();
 }

@@ -19,7 +19,8 @@ namespace hymm::core {
 struct GraphLtr {
   LtrView view;
   Triangle triangle;
-  double factor = 1.0;                                 ///< K of (19)
+  double factor = 1.0;   ///< K of (19)
+  double stretch = 1.0;  ///< by which lengths have grown, at most, since costs were computed
   std::array<int, 3> neighbours{kNone, kNone, kNone};  ///< across each side
   std::array<int, 3> sides{kNone, kNone, kNone};
   std::array<int, 4> first_portal{};         ///< of each side among those of the LTR, and the end
@@ -61,8 +62,7 @@ class DoorGraph {
  public:
   DoorGraph() = default;
   /// Portals and places follow from LTRs and sides.
-  DoorGraph(std::vector<GraphLtr> ltrs, std::vector<GraphSide> sides, double max_metric_error,
-            double shape_tolerance);
+  DoorGraph(std::vector<GraphLtr> ltrs, std::vector<GraphSide> sides, double max_metric_error);
 
   const std::vector<GraphLtr>& ltrs() const { return ltrs_; }
   const GraphLtr& ltr(int number) const { return ltrs_[std::size_t(number)]; }
@@ -86,8 +86,8 @@ class DoorGraph {
   /// In map, near all LTRs [m].
   const Eigen::Vector2d& origin() const { return low_; }
 
-  /// Lower bound of the cost of a metre as the crow flies, over all LTRs: mu_min over the share by
-  /// which a length may have shrunk since its cost was computed.
+  /// Lower bound of the cost of a metre as the crow flies, over all LTRs: the least of K mu_min
+  /// over the share by which lengths have grown since the costs were computed.
   double leastPerMetre() const { return least_; }
   double maxMetricError() const { return max_metric_error_; }
 

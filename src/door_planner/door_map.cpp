@@ -24,6 +24,15 @@ bool isUsable(const LtrView& view) {
          view.beta_cells > 0;
 }
 
+/// Largest share by which a length in `before` has grown in `now`.
+double stretchOf(const Triangle& now, const Triangle& before) {
+  const Eigen::Matrix2d deformation = now.edges() * before.edgesInverse();
+  // The larger singular value, by the trace and the determinant of its square.
+  const double trace = deformation.squaredNorm(), determinant = deformation.determinant();
+  const double root = std::sqrt(std::max(0.0, trace * trace - 4.0 * determinant * determinant));
+  return std::sqrt(0.5 * (trace + root));
+}
+
 int sideOfKey(const LtrView& view, const SideKey& key) {
   for (int k = 0; k < 3; ++k) {
     if (sideKeyOf(view, k) == key) return k;
@@ -302,6 +311,7 @@ std::shared_ptr<const DoorGraph> DoorMap::makeGraph() const {
     ltr.factor = factorOf(region.view);
     ltr.costs = region.in_force;
     if (to_compute_.count(id) == 0) ltr.matrix = region.matrix;
+    if (region.in_force) ltr.stretch = stretchOf(region.triangle, region.computed);
     ltrs.push_back(std::move(ltr));
   }
   for (GraphLtr& ltr : ltrs) {
@@ -322,8 +332,7 @@ std::shared_ptr<const DoorGraph> DoorMap::makeGraph() const {
     }
     sides.push_back(std::move(added));
   }
-  return std::make_shared<DoorGraph>(std::move(ltrs), std::move(sides), config_.max_metric_error,
-                                     config_.shape_tolerance);
+  return std::make_shared<DoorGraph>(std::move(ltrs), std::move(sides), config_.max_metric_error);
 }
 
 }  // namespace hymm::core

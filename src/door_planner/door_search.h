@@ -28,7 +28,7 @@ struct DoorRoute {
 enum class SearchOutcome { kFound, kNoWay, kStopped };
 
 /// A* over portals (paper, III.E): start and goal are made portals of their LTRs by searches inside
-/// these. The bound h = mu_min |x - goal| / (1 + shape tolerance) is admissible and consistent, so
+/// these. The bound h = min(K mu_min / stretch) |x - goal| is admissible and consistent, so
 /// the route is the cheapest along portals. One object serves one query at a time; its memory is
 /// used again.
 class DoorSearch {
