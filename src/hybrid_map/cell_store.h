@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hybrid_map/layer_set.h"
+#include "hybrid_map/occupancy_quadtree.h"
 #include "hybrid_map/packed_floats.h"
 
 namespace hymm::core {
@@ -45,8 +46,15 @@ class CellStore {
   /// The same without unpacking for good: cells that are packed are unpacked into `buffer`.
   const std::vector<float>& peek(int layer, std::vector<float>& buffer) const;
 
-  /// Compresses layers that were not written since a revision.
+  /// Compresses layers that were not written since a revision, without loss.
   void pack(std::uint64_t since_revision);
+
+  /// Compresses the occupancy with loss, if it was not written since a revision. `grid`: of these
+  /// cells; `threshold`: see OccupancyQuadtree.
+  void packOccupancy(const TriangularGrid& grid, float threshold, std::uint64_t since_revision);
+
+  /// Takes all that is known out of the layers; to readers they were written with `revision`.
+  void forget(std::uint64_t revision);
 
   /// The map's revision when the layer was last written; 0: never.
   std::uint64_t revision(int layer) const { return revisions_[std::size_t(layer)]; }
@@ -56,15 +64,20 @@ class CellStore {
 
  private:
   struct Layer {
-    std::vector<float> content;
-    PackedFloats packed;  ///< not empty: `content` is
+    bool isPacked() const { return !packed.isEmpty() || !tree.isEmpty(); }
+    std::vector<float> unpacked() const { return tree.isEmpty() ? packed.unpack() : tree.unpack(); }
+
+    std::vector<float> content;  ///< empty while one of these is not:
+    PackedFloats packed;
+    OccupancyQuadtree tree;
   };
   std::vector<float>& unpacked(int layer) const {
     Layer& wanted = layers_[std::size_t(layer)];
-    if (!wanted.packed.isEmpty()) unpack(wanted);
+    if (wanted.isPacked()) unpack(wanted);
     return wanted.content;
   }
   static void unpack(Layer& layer);
+  bool isDue(int layer, std::uint64_t since_revision) const;
 
   int cells_;
   mutable std::vector<Layer> layers_;

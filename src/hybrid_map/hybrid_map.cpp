@@ -64,8 +64,8 @@ class HybridMap::Impl {
     writer_.begin(posed.T_map_laser.position(), landmarks_, revision_);
     if (traffic_.isOn()) countTraffic(posed);
     counts_.beams += scan_writer_.write(posed.scan, posed.T_map_laser, writer_);
-    packBeyond(posed.T_map_laser.position());
-    counts_.dropped_waiting_tiles += writer_.waiting().dropBeyondLimit();
+    vehicle_ = posed.T_map_laser.position();
+    keepWithinMemory();
     return accepted();
   }
 
@@ -82,7 +82,7 @@ class HybridMap::Impl {
     for (const Eigen::Vector2d& place : places) {
       writer_.addSample(partition_, layer, place, sample.sample, share);
     }
-    counts_.dropped_waiting_tiles += writer_.waiting().dropBeyondLimit();
+    keepWithinMemory();
     return accepted();
   }
 
@@ -199,11 +199,19 @@ class HybridMap::Impl {
         [this](const Eigen::Vector2d& place) { return occupancyLogOdds(place); }, take);
   }
 
-  /// Once a tenth of the radius is driven; in between hardly anything comes to lie beyond.
-  void packBeyond(const Eigen::Vector2d& place) {
-    if (packed_from_ && (*packed_from_ - place).norm() < 0.1 * config_.active_radius_m) return;
-    packed_from_ = place;
-    writer_.packBeyond(partition_, place, config_.active_radius_m);
+  /// Compresses once a tenth of the radius is driven, before which hardly anything comes to lie
+  /// beyond, and now and then, since what is looked at unpacks itself.
+  void keepWithinMemory() {
+    constexpr std::uint64_t kInputs = 200;
+    const bool has_driven =
+        !packed_from_ || (*packed_from_ - vehicle_).norm() >= 0.1 * config_.active_radius_m;
+    if (has_driven || revision_ >= packed_revision_ + kInputs) {
+      packed_from_ = vehicle_;
+      packed_revision_ = revision_;
+      writer_.packBeyond(partition_, vehicle_);
+      counts_.forgotten_ltrs += writer_.forgetBeyondLimit(partition_);
+    }
+    counts_.dropped_waiting_tiles += writer_.waiting().dropBeyondLimit();
   }
 
   /// A map takes longer to make than an update, which may have overtaken it: what it says of
@@ -276,7 +284,9 @@ class HybridMap::Impl {
   TrafficCounter traffic_;
   std::uint64_t version_ = 0;
   std::uint64_t revision_ = 0;
-  std::optional<Eigen::Vector2d> packed_from_;  ///< where the vehicle was when cells were packed
+  Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();  ///< the sensor's place at the last scan
+  std::optional<Eigen::Vector2d> packed_from_;         ///< where that was when cells were packed
+  std::uint64_t packed_revision_ = 0;
   mutable int query_hint_ = kNone;
   Counts counts_;
 };

@@ -72,7 +72,9 @@ class HybridMap {
     std::size_t samples = 0, refused_samples = 0;
     std::size_t moving_objects = 0;  ///< squares of the traffic layer, by period
     std::size_t ltrs_created = 0, ltrs_retired = 0;
-    std::size_t dropped_waiting_tiles = 0;  ///< observations lost for want of memory
+    // Observations lost for want of memory:
+    std::size_t dropped_waiting_tiles = 0;
+    std::size_t forgotten_ltrs = 0;
   };
 
   /// Throws ConfigError if the configuration is unusable.
@@ -128,7 +130,8 @@ class HybridMap {
 
   /// Memory of the cells of all LTRs, and of what waits for one. Those beyond active_radius_m of
   /// the vehicle that were not written lately are compressed, and unpacked where they are looked at
-  /// or written again.
+  /// or written again. Where all LTRs together need more than max_memory_mb, those beyond that were
+  /// not written for longest are emptied, and counted.
   CellMemory ltrMemory() const;
   CellMemory waitingMemory() const;
 

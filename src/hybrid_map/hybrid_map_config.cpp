@@ -23,6 +23,15 @@ void OccupancyConfig::describe(ConfigSchema& schema) {
               "dark or shiny things");
 }
 
+void CompressionConfig::describe(ConfigSchema& schema) {
+  schema.text("form", form,
+              "of LTRs beyond active_radius_m: lossless, or lossy (occupancy only: occupied, free "
+              "or unknown, in a quadtree)",
+              {"lossless", "lossy"});
+  schema.number("occupied_probability", occupied_probability, Range::between(0.5, 0.99),
+                "lossy: above which a cell stays occupied; all others that were seen become free");
+}
+
 void HybridMapConfig::describe(ConfigSchema& schema) {
   schema.number("resolution_m", resolution_m, Range{0.005, 10.0, false},
                 "largest side of a cell when its LTR is made");
@@ -39,10 +48,13 @@ void HybridMapConfig::describe(ConfigSchema& schema) {
   schema.number("max_sample_deviation_m", max_sample_deviation_m, Range::positive(),
                 "of a property sample's place; less certain samples are refused");
   schema.number("active_radius_m", active_radius_m, Range::positive(),
-                "around the vehicle, in which all layers are to fit into max_memory_mb");
-  schema.number("max_memory_mb", max_memory_mb, Range::positive(),
-                "for the cells of the vehicle's neighbourhood");
+                "around the vehicle, in which cells are not compressed");
+  schema.number(
+      "max_memory_mb", max_memory_mb, Range::positive(),
+      "for the cells of all LTRs; what lies within active_radius_m must fit, and beyond, "
+      "where it does not, LTRs that were not written for longest are emptied and counted");
   schema.group("occupancy", occupancy);
+  schema.group("compression", compression);
   schema.group("partition", partition);
   schema.group("waiting", waiting);
   schema.group("traffic", traffic);
@@ -68,6 +80,11 @@ std::vector<std::string> HybridMapConfig::problems() const {
   TrafficCounter(traffic, set, problems);
   if (partition.min_side_m > partition.max_side_m) {
     problems.emplace_back("partition.min_side_m: is greater than partition.max_side_m.");
+  }
+  if (compression.isLossy() && compression.occupied_probability >= occupancy.max_probability) {
+    problems.emplace_back(
+        "compression.occupied_probability: is not below occupancy.max_probability, so that no "
+        "cell would stay occupied.");
   }
   if (!problems.empty()) return problems;
   if (const double needed = activeMemory_mb(); needed > max_memory_mb) {

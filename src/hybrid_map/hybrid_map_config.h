@@ -22,6 +22,15 @@ struct OccupancyConfig {
   void describe(ConfigSchema& schema);
 };
 
+/// How LTRs far from the vehicle are compressed.
+struct CompressionConfig {
+  std::string form = "lossless";
+  double occupied_probability = 0.65;
+
+  bool isLossy() const { return form == "lossy"; }
+  void describe(ConfigSchema& schema);
+};
+
 /// Parameters of the hybrid metric map, as the node `hymm_grid` documents them.
 struct HybridMapConfig {
   double resolution_m = 0.2;
@@ -33,6 +42,7 @@ struct HybridMapConfig {
   double active_radius_m = 50.0;
   double max_memory_mb = 500.0;
   OccupancyConfig occupancy;
+  CompressionConfig compression;
   PartitionConfig partition;
   WaitingConfig waiting;
   TrafficConfig traffic;

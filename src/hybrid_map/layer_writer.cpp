@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hybrid_map/log_odds.h"
+
 namespace hymm::core {
 namespace {
 
@@ -116,18 +118,52 @@ CellMemory LayerWriter::memory() const {
   return memory;
 }
 
-void LayerWriter::packBeyond(const LtrPartition& partition, const Eigen::Vector2d& place,
-                             double radius_m) {
+void LayerWriter::packBeyond(const LtrPartition& partition, const Eigen::Vector2d& vehicle) {
   const std::uint64_t since = revision_ > kIdleInputs ? revision_ - kIdleInputs : 0;
+  const double radius_m = config_.active_radius_m;
+  const auto threshold = static_cast<float>(logOddsOf(config_.compression.occupied_probability));
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     if (cells_[i] == nullptr) continue;
     const Corners corners = partition.mesh().corners(static_cast<int>(i));
     const bool is_near = std::any_of(corners.begin(), corners.end(), [&](const auto& corner) {
-      return (corner - place).norm() <= radius_m;
+      return (corner - vehicle).norm() <= radius_m;
     });
-    if (!is_near) cells_[i]->store.pack(since);
+    if (is_near) continue;
+    CellStore& store = cells_[i]->store;
+    if (config_.compression.isLossy()) store.packOccupancy(cells_[i]->grid, threshold, since);
+    store.pack(since);
   }
-  waiting_.packBeyond(place, radius_m, since);
+  waiting_.packBeyond(vehicle, radius_m, since);
+}
+
+std::size_t LayerWriter::forgetBeyondLimit(LtrPartition& partition) {
+  constexpr double kBytesPerMb = 1e6;
+  const double limit = config_.max_memory_mb * kBytesPerMb;
+  double used = static_cast<double>(memory().bytes());
+  if (used <= limit) return 0;
+  const auto memoryOf = [&](int ltr) {
+    CellMemory memory;
+    find(ltr)->store.addMemory(memory);
+    return memory;
+  };
+  std::vector<int> far;
+  for (int ltr = 0; ltr < static_cast<int>(cells_.size()); ++ltr) {
+    const bool is_written = find(ltr) != nullptr && partition.mesh().ltr(ltr).observations > 0.0;
+    if (is_written && memoryOf(ltr).unpacked_bytes == 0) far.push_back(ltr);
+  }
+  std::sort(far.begin(), far.end(), [&](int one, int other) {
+    return find(one)->store.lastRevision() < find(other)->store.lastRevision();
+  });
+  std::size_t forgotten = 0;
+  for (const int ltr : far) {
+    if (used <= limit) break;
+    used -= static_cast<double>(memoryOf(ltr).bytes());
+    cells_[std::size_t(ltr)]->store.forget(revision_);
+    used += static_cast<double>(memoryOf(ltr).bytes());
+    partition.addObservations(ltr, -partition.mesh().ltr(ltr).observations);
+    ++forgotten;
+  }
+  return forgotten;
 }
 
 }  // namespace hymm::core

@@ -44,9 +44,13 @@ class LayerWriter {
   double evidence(int layer) const;
   CellMemory memory() const;
 
-  /// Compresses LTRs and tiles of which no vertex is within `radius_m` of a place and which were
-  /// not written lately.
-  void packBeyond(const LtrPartition& partition, const Eigen::Vector2d& place, double radius_m);
+  /// Compresses LTRs and tiles that do not reach into the vehicle's neighbourhood and were not
+  /// written lately.
+  void packBeyond(const LtrPartition& partition, const Eigen::Vector2d& vehicle);
+
+  /// Forgets what the compressed LTRs hold, those first that were not written for longest, until
+  /// all LTRs together fit the memory. Returns how many.
+  std::size_t forgetBeyondLimit(LtrPartition& partition);
 
  private:
   float* cellOfLtr(const LtrPartition& partition, int ltr, int layer, const Eigen::Vector2d& place);

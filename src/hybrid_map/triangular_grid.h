@@ -15,8 +15,12 @@ namespace hymm::core {
 class TriangularGrid {
  public:
   TriangularGrid(const Triangle& triangle, double resolution_m)
-      : alpha_cells_(cellsAlong(triangle.edges().col(0).norm(), resolution_m)),
-        beta_cells_(cellsAlong(triangle.edges().col(1).norm(), resolution_m)) {
+      : TriangularGrid(cellsAlong(triangle.edges().col(0).norm(), resolution_m),
+                       cellsAlong(triangle.edges().col(1).norm(), resolution_m)) {}
+
+  /// Of so many cells along the two sides, at least one each.
+  TriangularGrid(int alpha_cells, int beta_cells)
+      : alpha_cells_(alpha_cells), beta_cells_(beta_cells) {
     row_starts_.reserve(std::size_t(beta_cells_) + 1);
     int start = 0;
     for (int j = 0; j < beta_cells_; ++j) {

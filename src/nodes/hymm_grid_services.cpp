@@ -209,8 +209,9 @@ void HymmGridNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   status.add("LTRs created", map.ltrs_created);
   status.add("LTRs retired", map.ltrs_retired);
   status.add("landmark messages refused", map.refused_landmarks);
-  status.add("waiting tiles dropped (max_memory_mb)", map.dropped_waiting_tiles);
-  if (map.dropped_waiting_tiles > 0) {
+  status.add("waiting tiles dropped (waiting/max_memory_mb)", map.dropped_waiting_tiles);
+  status.add("LTRs emptied (max_memory_mb)", map.forgotten_ltrs);
+  if (map.dropped_waiting_tiles + map.forgotten_ltrs > 0) {
     status.mergeSummary(DiagnosticStatus::WARN, "Observations were dropped for want of memory");
   }
   status.add("cells unpacked [MB]", 1e-6 * static_cast<double>(grid.unpacked_bytes));

@@ -35,6 +35,7 @@ std::map<std::string, std::size_t> GridStage::incidents() const {
   add("landmark maps or updates that the dense map refused", map.refused_landmarks);
   add("tiles of observations outside of every LTR dropped for want of memory",
       map.dropped_waiting_tiles);
+  add("LTRs far from the vehicle emptied for want of memory (max_memory_mb)", map.forgotten_ltrs);
   return incidents;
 }
 

@@ -59,7 +59,8 @@ LtrGrid toMessage(const core::HybridMap& map, const core::ChangedLayer& changed)
   message.beta_cells = static_cast<std::uint32_t>(cells.grid.betaCells());
   message.channels = static_cast<std::uint32_t>(map.layers().channels(changed.layer));
   message.revision = changed.revision;
-  message.cells = cells.store.content(changed.layer);
+  std::vector<float> buffer;  // what is packed stays packed
+  message.cells = cells.store.peek(changed.layer, buffer);
   return message;
 }
 
