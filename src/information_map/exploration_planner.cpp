@@ -45,7 +45,7 @@ Matrix3d informationOnBase(const Matrix3d& on_sensor, const Pose2& T_map_base,
 ExplorationPlanner::ExplorationPlanner(const InformationMapConfig& config,
                                        const VehicleConfig& vehicle, const LevelLattice& lattice,
                                        const LevelIslands& islands, const LandmarkField& field,
-                                       IsFree is_free)
+                                       IsFree is_free, InformationEvaluator::Occlusion hides)
     : config_(config),
       T_base_sensor_(vehicle.laser.T_base_sensor()),
       motion_(vehicle),
@@ -53,7 +53,7 @@ ExplorationPlanner::ExplorationPlanner(const InformationMapConfig& config,
       islands_(islands),
       field_(field),
       is_free_(std::move(is_free)),
-      evaluator_(config.information) {}
+      evaluator_(config.information, std::move(hides)) {}
 
 ExplorationAnswer ExplorationPlanner::suggest(const ExplorationRequest& request) {
   ExplorationAnswer answer;
@@ -73,29 +73,36 @@ ExplorationAnswer ExplorationPlanner::suggest(const ExplorationRequest& request)
     goal.way = wayTo(cell);
     goal.way.insert(goal.way.begin(), request.T_map_base.position());
     predict(request, goal);
-    if (goal.position_deviation_m > config_.exploration.max_position_deviation_m ||
-        goal.heading_deviation_rad > config_.exploration.max_heading_deviation_rad) {
-      continue;
-    }
+    if (exceedsLimits(goal)) continue;
     judge(goal);
     if (goal.new_area_m2 > 0.0) answer.goals.push_back(std::move(goal));
   }
-  const double range_m = config_.information.sensor.range_m;
-  std::stable_sort(answer.goals.begin(), answer.goals.end(),
-                   [&](const ExplorationGoal& a, const ExplorationGoal& b) {
-                     return a.new_area_m2 / (a.way_m + range_m) >
-                            b.new_area_m2 / (b.way_m + range_m);
-                   });
-  const auto most = static_cast<std::size_t>(config_.exploration.max_suggestions);
-  if (answer.goals.size() > most) answer.goals.resize(most);
-  if (answer.goals.empty()) {
-    answer.problem = answer.candidates == 0
-                         ? "No place at the border can be reached inside the level set."
-                         : "Of " + std::to_string(answer.candidates) +
-                               " places at the border none can be reached with the deviations "
-                               "that are allowed.";
-  }
+  keepBest(answer.goals);
+  if (!answer.goals.empty()) return answer;
+  answer.problem = answer.candidates == 0
+                       ? "No place at the border can be reached inside the level set."
+                       : "Of " + std::to_string(answer.candidates) +
+                             " places at the border none can be reached with the deviations that "
+                             "are allowed.";
   return answer;
+}
+
+bool ExplorationPlanner::exceedsLimits(const ExplorationGoal& goal) const {
+  return goal.position_deviation_m > config_.exploration.max_position_deviation_m ||
+         goal.heading_deviation_rad > config_.exploration.max_heading_deviation_rad;
+}
+
+/// The best first, as many as an answer holds.
+void ExplorationPlanner::keepBest(std::vector<ExplorationGoal>& goals) const {
+  const double range_m = config_.information.sensor.range_m;
+  const auto worth = [range_m](const ExplorationGoal& goal) {
+    return goal.new_area_m2 / (goal.way_m + range_m);
+  };
+  std::stable_sort(
+      goals.begin(), goals.end(),
+      [&](const ExplorationGoal& a, const ExplorationGoal& b) { return worth(a) > worth(b); });
+  const auto most = static_cast<std::size_t>(config_.exploration.max_suggestions);
+  if (goals.size() > most) goals.resize(most);
 }
 
 /// The cell of the vehicle, or the nearest one of the set within the sensor's range.

@@ -56,10 +56,12 @@ class ExplorationPlanner {
   using IsFree = std::function<bool(const Eigen::Vector2d& place)>;
 
   /// References outlive the object. `is_free`: whether the vehicle can be at a place; empty for
-  /// everywhere. Throws ConfigError if the vehicle's geometry is unusable.
+  /// everywhere. `hides`: see InformationEvaluator. Throws ConfigError if the vehicle's geometry is
+  /// unusable.
   ExplorationPlanner(const InformationMapConfig& config, const VehicleConfig& vehicle,
                      const LevelLattice& lattice, const LevelIslands& islands,
-                     const LandmarkField& field, IsFree is_free = nullptr);
+                     const LandmarkField& field, IsFree is_free = nullptr,
+                     InformationEvaluator::Occlusion hides = nullptr);
 
   ExplorationAnswer suggest(const ExplorationRequest& request);
 
@@ -78,6 +80,8 @@ class ExplorationPlanner {
   Eigen::Matrix3d informationAt(const Pose2& T_map_base);
   Eigen::Matrix3d fuse(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& information) const;
   void judge(ExplorationGoal& goal) const;
+  bool exceedsLimits(const ExplorationGoal& goal) const;
+  void keepBest(std::vector<ExplorationGoal>& goals) const;
   bool isInside(const Cell& cell) const { return lattice_.level(cell) >= level_; }
   static std::uint64_t keyOf(const Cell& cell) {
     return static_cast<std::uint64_t>(static_cast<std::uint32_t>(cell.x)) << 32U |

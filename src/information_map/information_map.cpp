@@ -1,6 +1,7 @@
 #include "information_map/information_map.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -8,13 +9,11 @@ namespace hymm::core {
 
 class InformationMap::Impl {
  public:
-  Impl(const InformationMapConfig& config, const VehicleConfig& vehicle,
-       InformationEvaluator::Occlusion hides)
+  Impl(const InformationMapConfig& config, const VehicleConfig& vehicle)
       : config_(config),
         vehicle_(vehicle),
-        hides_(std::move(hides)),
-        search_(std::in_place, config, hides_),
-        evaluator_(config.information, hides_),
+        search_(std::in_place, config, occlusion()),
+        evaluator_(config.information, occlusion()),
         field_(std::make_shared<const LandmarkField>()) {
     MotionModel{vehicle};  // refuses an unusable geometry at once
   }
@@ -40,8 +39,18 @@ class InformationMap::Impl {
     return outcome;
   }
 
+  void setDenseMap(const OccupancyImage& image) {
+    auto sight = std::make_shared<const SightMap>(config_.dense_map, image);
+    if (config_.dense_map.occlusion) {
+      noteOccupiedUnlike(*sight, sight_.get());
+      if (sight_) noteOccupiedUnlike(*sight_, sight.get());
+    }
+    sight_ = std::move(sight);
+  }
+
   void reset() {
-    search_.emplace(config_, hides_);
+    search_.emplace(config_, occlusion());
+    sight_.reset();
     field_ = std::make_shared<const LandmarkField>();
     vehicle_place_.setZero();
   }
@@ -90,22 +99,40 @@ class InformationMap::Impl {
     return evaluator_.at(*field_, p_map_sensor);
   }
 
-  ExplorationAnswer suggestExploration(const ExplorationRequest& request,
-                                       const ExplorationPlanner::IsFree& is_free) const {
+  ExplorationAnswer suggestExploration(const ExplorationRequest& request) const {
     ExplorationAnswer answer;
     if (request.level < 1 || request.level > search_->lattice().levels()) {
       answer.problem = "There is no level set of so low a value; the lowest is " +
                        std::to_string(search_->values().front()) + " per m^2.";
       return answer;
     }
+    ExplorationPlanner::IsFree is_free;
+    if (sight_) {
+      is_free = [this](const Eigen::Vector2d& place) {
+        return sight_->isFree(place, 0.5 * vehicle_.width_m);
+      };
+    }
     ExplorationPlanner planner(config_, vehicle_, search_->lattice(),
-                               search_->islands(request.level), *field_, is_free);
+                               search_->islands(request.level), *field_, is_free, occlusion());
     return planner.suggest(request);
+  }
+
+  /// What hides landmarks, as of the dense map when it is asked; nothing if that is not wanted.
+  InformationEvaluator::Occlusion occlusion() const {
+    if (!config_.dense_map.occlusion) return nullptr;
+    return [this](const Eigen::Vector2d& sensor, const Eigen::Vector2d& to) {
+      return sight_ && sight_->hides(sensor, to);
+    };
+  }
+
+  void noteOccupiedUnlike(const SightMap& sight, const SightMap* other) {
+    search_->noteChangedLooks(sight.occupiedUnlike(other), std::sqrt(0.5) * sight.resolution_m(),
+                              config_.dense_map.landmark_clearance_m);
   }
 
   InformationMapConfig config_;
   VehicleConfig vehicle_;
-  InformationEvaluator::Occlusion hides_;
+  std::shared_ptr<const SightMap> sight_;  ///< null until there is a dense map
   std::optional<LevelSetSearch> search_;
   InformationEvaluator evaluator_;
   std::shared_ptr<const LandmarkField> field_;
@@ -113,9 +140,8 @@ class InformationMap::Impl {
   Counts counts_;
 };
 
-InformationMap::InformationMap(const InformationMapConfig& config, const VehicleConfig& vehicle,
-                               InformationEvaluator::Occlusion hides)
-    : impl_(std::make_unique<Impl>(config, vehicle, std::move(hides))) {}
+InformationMap::InformationMap(const InformationMapConfig& config, const VehicleConfig& vehicle)
+    : impl_(std::make_unique<Impl>(config, vehicle)) {}
 InformationMap::~InformationMap() = default;
 InformationMap::InformationMap(InformationMap&&) noexcept = default;
 InformationMap& InformationMap::operator=(InformationMap&&) noexcept = default;
@@ -123,6 +149,8 @@ InformationMap& InformationMap::operator=(InformationMap&&) noexcept = default;
 LevelSetUpdate InformationMap::apply(const LandmarkMap& map, const Pose2& T_map_base) {
   return impl_->apply(map, T_map_base);
 }
+void InformationMap::setDenseMap(const OccupancyImage& image) { impl_->setDenseMap(image); }
+bool InformationMap::hasDenseMap() const { return impl_->sight_ != nullptr; }
 void InformationMap::reset() { impl_->reset(); }
 LevelSets InformationMap::levelSets() const { return impl_->levelSets(); }
 LevelSets InformationMap::levelSetsMovedTo(const LandmarkMap& newer) const {
@@ -134,9 +162,8 @@ AchievableInformation InformationMap::evaluate(const Pose2& T_map_base) const {
 AchievableInformation InformationMap::evaluatePlace(const Eigen::Vector2d& p_map_sensor) const {
   return impl_->evaluatePlace(p_map_sensor);
 }
-ExplorationAnswer InformationMap::suggestExploration(
-    const ExplorationRequest& request, const ExplorationPlanner::IsFree& is_free) const {
-  return impl_->suggestExploration(request, is_free);
+ExplorationAnswer InformationMap::suggestExploration(const ExplorationRequest& request) const {
+  return impl_->suggestExploration(request);
 }
 int InformationMap::levelOf(double value) const {
   const std::vector<double>& values = impl_->search_->values();

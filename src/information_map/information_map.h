@@ -57,9 +57,8 @@ class InformationMap {
     std::size_t refused_pairs = 0;
   };
 
-  /// Throws ConfigError if the configuration is unusable. `hides`: see InformationEvaluator.
-  InformationMap(const InformationMapConfig& config, const VehicleConfig& vehicle,
-                 InformationEvaluator::Occlusion hides = nullptr);
+  /// Throws ConfigError if the configuration is unusable.
+  InformationMap(const InformationMapConfig& config, const VehicleConfig& vehicle);
   ~InformationMap();
   InformationMap(InformationMap&&) noexcept;
   InformationMap& operator=(InformationMap&&) noexcept;
@@ -67,7 +66,13 @@ class InformationMap {
   /// A new version of the map, with the vehicle in it. An older one than the last is refused.
   LevelSetUpdate apply(const LandmarkMap& map, const Pose2& T_map_base);
 
-  /// An empty map.
+  /// The dense map as it is now, in the coordinates of (about) the landmarks' last version: ways to
+  /// suggested goals go around what is occupied, and with dense_map.occlusion it hides landmarks,
+  /// for level sets from the next apply() on.
+  void setDenseMap(const OccupancyImage& image);
+  bool hasDenseMap() const;
+
+  /// An empty map, without a dense one.
   void reset();
 
   /// As of the last accepted map.
@@ -84,9 +89,8 @@ class InformationMap {
   /// About the pose of the sensor.
   AchievableInformation evaluatePlace(const Eigen::Vector2d& p_map_sensor) const;
 
-  /// Goals at the border of the vehicle's island; `is_free`: see ExplorationPlanner.
-  ExplorationAnswer suggestExploration(const ExplorationRequest& request,
-                                       const ExplorationPlanner::IsFree& is_free = nullptr) const;
+  /// Goals at the border of the vehicle's island. Without a dense map, ways know of no obstacles.
+  ExplorationAnswer suggestExploration(const ExplorationRequest& request) const;
 
   /// Level (1 for the lowest) of the highest value that is at most `value`, 0 if there is none.
   int levelOf(double value) const;

@@ -98,6 +98,7 @@ void ExplorationConfig::describe(ConfigSchema& schema) {
 void InformationMapConfig::describe(ConfigSchema& schema) {
   schema.group("information", information);
   schema.group("level_sets", level_sets);
+  schema.group("dense_map", dense_map);
   schema.group("exploration", exploration);
 }
 

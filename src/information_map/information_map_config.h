@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "information_map/information_config.h"
+#include "information_map/sight_map.h"
 
 namespace hymm::core {
 
@@ -36,6 +37,7 @@ struct ExplorationConfig {
 struct InformationMapConfig {
   InformationConfig information;
   LevelSetConfig level_sets;
+  DenseMapConfig dense_map;
   ExplorationConfig exploration;
 
   void describe(ConfigSchema& schema);

@@ -1,35 +1,22 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <deque>
 #include <memory>
-#include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "information_map/certificate_store.h"
+#include "information_map/changed_looks.h"
+#include "information_map/exploration_points.h"
 #include "information_map/information_evaluator.h"
 #include "information_map/information_map_config.h"
 #include "information_map/landmark_watch.h"
+#include "information_map/level_cells.h"
 #include "information_map/level_islands.h"
-#include "information_map/level_lattice.h"
+#include "information_map/surroundings_fill.h"
 
 namespace hymm::core {
-
-/// What a change of the map did to one level set.
-struct LevelChange {
-  double area_m2 = 0.0;  ///< now
-  double gained_m2 = 0.0;
-  double lost_m2 = 0.0;  ///< of what was in the set, in the coordinates of map
-  /// Of that, what is out of the set even where it moved along with the landmarks around: by so
-  /// much (24) does not hold.
-  double lost_moving_m2 = 0.0;
-  double kept_m2 = 0.0;  ///< lost, but kept by configuration
-};
 
 /// Outcome of an update.
 struct LevelSetUpdate {
@@ -58,60 +45,35 @@ class LevelSetSearch {
   /// The sets for a new version of the map; what is in the island of `vehicle` goes first.
   LevelSetUpdate update(std::shared_ptr<const LandmarkField> field, const Eigen::Vector2d& vehicle);
 
-  const std::vector<double>& values() const { return values_; }
-  const LevelLattice& lattice() const { return lattice_; }
+  /// Squares around places of the dense map block a look now and did not, or the other way round;
+  /// the next update takes account of it. See ChangedLooks.
+  void noteChangedLooks(const std::vector<Eigen::Vector2d>& places, double half_m,
+                        double clearance_m);
+
+  const std::vector<double>& values() const { return cells_.values(); }
+  const LevelLattice& lattice() const { return cells_.lattice(); }
   /// Of the set of `level`, 1 for the lowest value.
   const LevelIslands& islands(int level) const { return islands_[std::size_t(level - 1)]; }
 
  private:
-  /// Cells to evaluate: those of the vehicle's island, and others.
-  enum Priority { kVehicle = 0, kOthers = 1 };
-
   std::string reasonToRefuse(const LandmarkField& field) const;
-  void fillSurroundings(const Eigen::Vector2d& vehicle);
-  void fillWaiting();
-  void fillBlock(const Cell& low, int edge);
   void noteChanges();
   void revokeNear(int tile, const ChangedLandmark& change);
   void sampleTiles();
   void sampleTile(int tile);
   void queueBorders(const Eigen::Vector2d& vehicle);
   void queueTile(int tile, int vehicle_island);
-  void spread();
-  void explore();
-  std::array<Eigen::Vector2d, 5> explorationPoints(const Eigen::Vector2d& landmark) const;
-  std::optional<Cell> climb(const Eigen::Vector2d& start);
+  CertificateStore& certificates() { return cells_.certificates(); }
 
-  int evaluate(const Cell& cell);
-  void evaluateAndSettle(const Cell& cell, Priority priority);
-  bool keepsLoss(const Cell& cell, int before, int measured);
-  bool holds(const Cell& cell) const;
-  const Certificate& certificate(const Cell& cell) const;
-  int levelOf(double information) const;
-  int tileOf(const Cell& cell);
-  std::size_t evaluations() const { return evaluator_.counts().evaluations; }
-  bool mayEvaluate() const { return evaluations() - evaluations_before_ < budget_; }
-
-  InformationMapConfig config_;
-  std::vector<double> values_;
-  double reach_m_;
-  bool keeps_losses_;
-  InformationEvaluator evaluator_;
-  LevelLattice lattice_;
-  CertificateStore certificates_;
+  double range_m_, reach_m_, max_cells_;
+  LevelCells cells_;
   std::vector<LevelIslands> islands_;
   LandmarkWatch watch_;
-  std::unordered_map<int, Cell> summits_;  ///< where the climb from a landmark ended, by id
+  SurroundingsFill fill_;
+  ChangedLooks changed_looks_;
+  ExplorationPoints exploration_points_;
   std::shared_ptr<const LandmarkField> field_;
-
-  std::size_t budget_;
   bool was_complete_ = false;  ///< the update before
-  std::vector<Cell> to_fill_;  ///< first cells of blocks; the last one is next
-  // Of the update that is going on:
-  std::size_t evaluations_before_ = 0;
-  std::optional<LandmarkMotion> motion_;
-  std::array<std::deque<Cell>, 2> queues_;  ///< by Priority
-  std::vector<LevelChange> changes_;
 };
 
 }  // namespace hymm::core

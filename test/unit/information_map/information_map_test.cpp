@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "dense_images.h"
 #include "random_landmarks.h"
 #include "simulation/simulation_config.h"
 #include "support/numeric_jacobian.h"
@@ -146,12 +147,61 @@ TEST(ExplorationPlanner, CountsTheIslandThatAGoalReaches) {
   EXPECT_EQ(answer.goals.front().joins_island, far_island);
 }
 
-TEST(ExplorationPlanner, GoesAroundWhatIsNotFree) {
-  const InformationMap information = alleyMap();
-  const auto is_free = [](const Vector2d& place) { return place.x() < 30.0; };
-  for (const ExplorationGoal& goal :
-       information.suggestExploration(fromTheStart(), is_free).goals) {
-    EXPECT_LT(goal.T_map_base.x_m, 30.0);
+TEST(ExplorationPlanner, GoesAroundWhatIsOccupied) {
+  InformationMap information = alleyMap();
+  OccupancyImage image = freeImage(-20.0, -20.0, 80.0, 20.0);
+  fillBox(image, 30.0, -20.0, 30.4, 19.9);  // across the whole alley
+  information.setDenseMap(image);
+  const ExplorationAnswer blocked = information.suggestExploration(fromTheStart());
+  EXPECT_THAT(blocked.goals, testing::Not(IsEmpty()));
+  for (const ExplorationGoal& goal : blocked.goals) {
+    EXPECT_LT(goal.T_map_base.x_m, 30.0 - 0.5 * simulatedCar().width_m);
+  }
+  fillBox(image, 30.0, -2.0, 30.4, 2.0);
+  for (int y = 0; y < image.height; ++y) {
+    if (std::abs(image.centre(0, y).y()) > 2.0) continue;  // a gate of 4 m
+    for (int x = 0; x < image.width; ++x) image.cells[image.index(x, y)] = 0;
+  }
+  information.setDenseMap(image);
+  bool passes = false;
+  for (const ExplorationGoal& goal : information.suggestExploration(fromTheStart()).goals) {
+    passes = passes || goal.T_map_base.x_m > 31.0;
+    for (const Vector2d& place : goal.way) {
+      if (std::abs(place.x() - 30.2) > 0.5) continue;
+      EXPECT_LT(std::abs(place.y()), 2.0);
+    }
+  }
+  EXPECT_TRUE(passes);
+}
+
+TEST(ExplorationPlanner, SaysThatNothingCanBeReached) {
+  InformationMapConfig config;
+  config.dense_map.unknown_is_free = false;
+  InformationMap information(config, simulatedCar());
+  information.apply(alley(60.0), Pose2{});
+  information.setDenseMap(unknownImage(-20.0, -20.0, 80.0, 20.0));
+  EXPECT_THAT(information.suggestExploration(fromTheStart()).problem,
+              HasSubstr("No place at the border can be reached"));
+}
+
+TEST(InformationMap, HidesLandmarksBehindTheDenseMapIfAsked) {
+  OccupancyImage image = freeImage(-20.0, -20.0, 80.0, 20.0);
+  fillBox(image, -20.0, 3.0, 79.9, 3.4);  // a wall before one of the rows
+  const Vector2d place(30.0, 0.0);
+  for (const bool occlusion : {false, true}) {
+    InformationMapConfig config;
+    config.dense_map.occlusion = occlusion;
+    InformationMap information = alleyMap(config);
+    const int all = information.evaluatePlace(place).landmarks;
+    const double area_m2 = information.levelSets().sets[1].area_m2;
+    information.setDenseMap(image);
+    information.apply(alley(60.0, 0.0, 2), Pose2{});
+    EXPECT_EQ(information.evaluatePlace(place).landmarks, occlusion ? all / 2 : all);
+    EXPECT_EQ(information.levelSets().sets[1].area_m2 < area_m2, occlusion);
+    information.reset();  // without a dense map again
+    information.apply(alley(60.0, 0.0, 3), Pose2{});
+    EXPECT_EQ(information.evaluatePlace(place).landmarks, all);
+    EXPECT_DOUBLE_EQ(information.levelSets().sets[1].area_m2, area_m2);
   }
 }
 

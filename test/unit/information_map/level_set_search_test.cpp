@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "dense_images.h"
 #include "information_map/full_evaluation.h"
+#include "information_map/sight_map.h"
 #include "random_landmarks.h"
 #include "support/map_history.h"
 
@@ -73,6 +75,53 @@ TEST(LevelSetSearch, EqualsFullEvaluationWithEachHeading) {
     }
     EXPECT_GT(search.lattice().cellsReaching(1), 50U);
     expectEqualsFull(search, config, *field, 0.99);
+  }
+}
+
+TEST(LevelSetSearch, EqualsFullEvaluationWhileWallsAreFoundAndLost) {
+  InformationMapConfig config;
+  config.dense_map.landmark_clearance_m = 0.0;
+  std::shared_ptr<const SightMap> sight;
+  const auto hides = [&sight](const Vector2d& from, const Vector2d& to) {
+    return sight && sight->hides(from, to);
+  };
+  LevelSetSearch search(config, hides);
+  const auto changeTo = [&](const OccupancyImage& image) {
+    auto next = std::make_shared<const SightMap>(config.dense_map, image);
+    const double half_m = std::sqrt(0.5) * image.resolution_m;
+    search.noteChangedLooks(next->occupiedUnlike(sight.get()), half_m, 0.0);
+    if (sight) search.noteChangedLooks(sight->occupiedUnlike(next.get()), half_m, 0.0);
+    sight = std::move(next);
+  };
+  auto history = test::simulatedHistory("park", 1, 11);
+  RandomGenerator generator(11);
+  for (int i = 0; i < 60; ++i) {
+    const auto version = history.next();
+    ASSERT_TRUE(version);
+    const auto field = fieldOf(version->map);
+    if (i % 10 == 5) {  // other walls and posts in all of the map than before
+      OccupancyImage image = freeImage(-100.0, -100.0, 100.0, 100.0);
+      for (int wall = 0; wall < 300; ++wall) {
+        const Vector2d low =
+            field->low() + (field->high() - field->low())
+                               .cwiseProduct(Vector2d(sampleUniform(generator, 0.0, 1.0),
+                                                      sampleUniform(generator, 0.0, 1.0)));
+        const double length_m = wall % 3 == 0 ? 0.3 : 6.0;
+        fillBox(image, low.x(), low.y(), low.x() + (wall % 2 == 0 ? length_m : 0.1),
+                low.y() + (wall % 2 == 0 ? 0.1 : length_m));
+      }
+      changeTo(image);
+    }
+    search.update(field, version->pose.T_map_base.position());
+    if (i % 10 != 5) continue;
+    const FullEvaluation full = evaluateFully(config, *field, hides);
+    const FullEvaluation unhidden = evaluateFully(config, *field);
+    for (int level = 1; level <= search.lattice().levels(); ++level) {
+      // What walls hide is much more than what the search may miss.
+      EXPECT_LT(intersectionOverUnion(unhidden.lattice, full.lattice, level), 0.9);
+      EXPECT_GE(intersectionOverUnion(search.lattice(), full.lattice, level), 0.99)
+          << "level " << level << " at change " << i;
+    }
   }
 }
 
