@@ -18,6 +18,9 @@ constexpr std::size_t kMostPoses = 10000;
 /// Where the last update took longer, the sets are published moved before they are computed.
 constexpr double kSlowUpdate_ms = 200.0;
 
+constexpr const char* kNoDenseMap =
+    "No dense map has come on `map`: the ways know nothing of obstacles. Does hymm_grid run?";
+
 std::string versionProblem(std::uint64_t wanted, std::uint64_t held) {
   if (wanted <= held) return {};
   return "Map version " + std::to_string(wanted) + " has not arrived; the newest is " +
@@ -28,13 +31,16 @@ std::string versionProblem(std::uint64_t wanted, std::uint64_t held) {
 
 InformationMapNode::InformationMapNode(const core::InformationMapConfig& config,
                                        const core::VehicleConfig& vehicle)
-    : map_frame_(vehicle.map_frame), information_(config, vehicle) {
+    : map_frame_(vehicle.map_frame),
+      dense_map_(map_frame_, causes_),
+      information_(config, vehicle) {
   level_sets_ = handle_.advertise<LevelSet>(
       "level_sets", 16,
       [this](const ros::SingleSubscriberPublisher& subscriber) { greet(subscriber); });
   islands_markers_ = handle_.advertise<visualization_msgs::MarkerArray>("islands", 1, true);
   maps_ = handle_.subscribe("landmarks", 2, &InformationMapNode::takeMap, this);
   poses_ = handle_.subscribe("cekf/pose", 10, &InformationMapNode::takePose, this);
+  dense_map_.subscribe(handle_);
   evaluate_service_ =
       handle_.advertiseService("evaluate_information", &InformationMapNode::evaluate, this);
   suggest_service_ =
@@ -99,12 +105,14 @@ void InformationMapNode::compute(const Waiting& next) {
   if (next.map.version < information_.mapVersion()) {
     ROS_WARN("The landmark map began anew; so do the level sets.");
     information_.reset();
+    dense_map_.tellAgain();
   } else if (last_ms_ > kSlowUpdate_ms) {
     publish(information_.levelSetsMovedTo(next.map), false);
     const std::lock_guard<std::mutex> lock(mutex_);
     ++moved_sets_;
   }
   const double start_s = steadyNow();
+  takeDenseMap();
   const core::LevelSetUpdate update = information_.apply(next.map, next.T_map_base);
   note(update, 1e3 * (steadyNow() - start_s));
   if (update.refused.empty()) {
@@ -112,6 +120,15 @@ void InformationMapNode::compute(const Waiting& next) {
   } else {
     causes_.count("landmark map refused", update.refused);
   }
+}
+
+/// Hands the newest dense map to the engine, which is locked.
+void InformationMapNode::takeDenseMap() {
+  const std::optional<core::OccupancyImage> image = dense_map_.takeChanged();
+  if (!image) return;
+  information_.setDenseMap(*image);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  has_dense_map_ = true;
 }
 
 void InformationMapNode::note(const core::LevelSetUpdate& update, double ms) {
@@ -179,11 +196,15 @@ bool InformationMapNode::suggest(SuggestExploration::Request& request,
     exploration.covariance = planarCovariance(pose_->pose);
   }
   const std::lock_guard<std::mutex> engine_lock(engine_mutex_);
+  takeDenseMap();
   exploration.level = request.value > 0.0 ? information_.levelOf(request.value) : 1;
   const core::ExplorationAnswer answer = information_.suggestExploration(exploration);
   response.map_version = information_.mapVersion();
   response.message = answer.problem;
   response.success = answer.problem.empty();
+  if (response.success && !information_.hasDenseMap()) {
+    response.message = kNoDenseMap;
+  }
   for (const core::ExplorationGoal& goal : answer.goals) response.goals.push_back(toMessage(goal));
   return true;
 }
@@ -201,6 +222,7 @@ void InformationMapNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& s
     status.mergeSummary(DiagnosticStatus::WARN,
                         "level_sets.max_evaluations leaves level sets unfinished");
   }
+  status.add("dense map", has_dense_map_ ? "used" : "none yet: ways know nothing of obstacles");
   status.add("maps used", counts_.maps);
   status.add("maps refused", counts_.refused_maps);
   status.add("maps passed over for a newer one", skipped_maps_);

@@ -17,6 +17,7 @@
 
 #include "information_map/information_map.h"
 #include "ros/cause_log.h"
+#include "ros/dense_map_mirror.h"
 
 namespace hymm {
 
@@ -41,6 +42,7 @@ class InformationMapNode {
   void takePose(const FilterPoseConstPtr& message);
   void work();
   void compute(const Waiting& next);
+  void takeDenseMap();
   void note(const core::LevelSetUpdate& update, double ms);
   void publish(const core::LevelSets& sets, bool complete);
   void greet(const ros::SingleSubscriberPublisher& subscriber);
@@ -51,6 +53,7 @@ class InformationMapNode {
   ros::NodeHandle handle_;
   std::string map_frame_;
   CauseLog causes_;
+  DenseMapMirror dense_map_;
 
   std::mutex engine_mutex_;  ///< over the engine; held while it computes
   core::InformationMap information_;
@@ -65,6 +68,7 @@ class InformationMapNode {
   double last_ms_ = 0.0, worst_ms_ = 0.0;  ///< wall time of an update; worst since last diagnosis
   core::LevelSetUpdate last_update_;
   core::InformationMap::Counts counts_;
+  bool has_dense_map_ = false;
 
   ros::Publisher level_sets_, islands_markers_;
   ros::Subscriber maps_, poses_;

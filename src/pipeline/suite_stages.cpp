@@ -25,7 +25,8 @@ const std::vector<StageKind>& stageKinds() {
        }},
       {InformationStage::kName,
        [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
-         return std::make_unique<InformationStage>(config.information_map, config.vehicle);
+         return std::make_unique<InformationStage>(config.information_map, config.vehicle,
+                                                   config.hymm_grid.image);
        }},
       {DoorStage::kName,
        [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
@@ -51,7 +52,11 @@ Stage* findStage(const std::vector<std::unique_ptr<SuiteStage>>& stages) {
 void connect(const std::vector<std::unique_ptr<SuiteStage>>& stages) {
   auto* doors = findStage<DoorStage>(stages);
   const auto* grid = findStage<GridStage>(stages);
-  if (doors != nullptr && grid != nullptr) doors->readMapOf(grid->mapper());
+  if (grid == nullptr) return;
+  if (doors != nullptr) doors->readMapOf(grid->mapper());
+  if (auto* information = findStage<InformationStage>(stages)) {
+    information->readMapOf(grid->mapper());
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Pose2D
 from hymm.msg import FilterPose, Landmark, LandmarkCovariance, LandmarkMap, LevelSet
 from hymm.srv import EvaluateInformation, SuggestExploration
+from nav_msgs.msg import OccupancyGrid
 from visualization_msgs.msg import MarkerArray
 
 WAIT_S = 10.0
@@ -49,6 +50,7 @@ class InformationMapTest(unittest.TestCase):
         rospy.Subscriber("/diagnostics", DiagnosticArray, cls.diagnose)
         cls.maps = rospy.Publisher("landmarks", LandmarkMap, queue_size=10)
         cls.poses = rospy.Publisher("cekf/pose", FilterPose, queue_size=10)
+        cls.dense_maps = rospy.Publisher("map", OccupancyGrid, queue_size=10)
         rospy.wait_for_service("evaluate_information", WAIT_S)
         cls.evaluate = rospy.ServiceProxy("evaluate_information", EvaluateInformation)
         cls.suggest = rospy.ServiceProxy("suggest_exploration", SuggestExploration)
@@ -118,7 +120,26 @@ class InformationMapTest(unittest.TestCase):
         self.assertTrue(answer.success, answer.message)
         self.assertGreater(answer.goals[0].new_area, 0.0)
         self.assertLess(answer.goals[0].position_deviation, 0.5)
+        self.assertIn("know nothing of obstacles", answer.message)
+        self.assertTrue(any(goal.goal.x > 50.0 for goal in answer.goals))
         self.assertIn("lowest is 25", self.suggest(1.0).message)
+
+    def test_61_goes_around_what_the_dense_map_tells(self):
+        wall = OccupancyGrid()
+        wall.header.frame_id = "map"
+        wall.info.resolution, wall.info.width, wall.info.height = 0.5, 2, 120
+        wall.info.origin.position.x, wall.info.origin.position.y = 30.0, -30.0
+        wall.info.origin.orientation.w = 1.0
+        wall.data = [100] * 240
+        self.dense_maps.publish(wall)
+        self.assertTrue(wait_for(lambda: not self.suggest(0.0).message))
+        answer = self.suggest(0.0)
+        self.assertTrue(answer.success, answer.message)
+        self.assertLess(max(goal.goal.x for goal in answer.goals), 30.0)
+        wall.data = wall.data[:-1]
+        self.dense_maps.publish(wall)
+        self.assertTrue(wait_for(lambda: any(
+            values.get("dense maps refused") == "1" for _, values in self.status.values())))
 
     def test_7_begins_anew_with_the_filter(self):
         self.maps.publish(alley(1, length=20, shift=3.0))

@@ -63,6 +63,22 @@ TEST(InformationStage, WritesLeavesAndChangesOfItsSets) {
   EXPECT_GT(totals.subsystem_cpu_s["information_map"], 0.0);
 }
 
+TEST(InformationStage, SuggestsGoalsFromTheLastPose) {
+  InformationStage stage({}, VehicleConfig{});
+  CekfSlam filter(CekfSlamConfig{}, VehicleConfig{});
+  const SensorEvent event = ObservationSet{};
+  const test::TemporaryFolder folder;
+  stage.write(folder.path());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "exploration.csv"));  // no pose yet
+  ScanOutcome outcome;
+  outcome.pose.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-6).asDiagonal();
+  stage.takeScan({event, outcome, LandmarkUpdate{}, triangle()}, filter);
+  stage.write(folder.path());
+  const std::string goals = contentOf(folder.path() / "exploration.csv");
+  EXPECT_THAT(goals, StartsWith("x,y,yaw,way_m,position_deviation_m,"));
+  EXPECT_GT(std::count(goals.begin(), goals.end(), '\n'), 2);
+}
+
 TEST(InformationStage, ForgetsItsSetsWithTheMap) {
   InformationStage stage({}, VehicleConfig{});
   CekfSlam filter(CekfSlamConfig{}, VehicleConfig{});

@@ -1,0 +1,84 @@
+#include "ros/dense_map_mirror.h"
+
+#include <cmath>
+
+#include "ros/grid_conversions.h"
+
+namespace hymm {
+namespace {
+
+/// Cells farther from the map's origin are not counted.
+constexpr double kMostCells = 1e9;
+
+/// Why an image cannot be made of a grid; empty if it can.
+std::string problemOf(const nav_msgs::OccupancyGrid& grid) {
+  const auto resolution_m = static_cast<double>(grid.info.resolution);
+  const auto& origin = grid.info.origin;
+  if (!(resolution_m > 1e-3) || !std::isfinite(resolution_m)) {
+    return "its resolution is " + std::to_string(resolution_m) + " m";
+  }
+  if (grid.data.size() != std::size_t{grid.info.width} * grid.info.height) {
+    return "it has " + std::to_string(grid.data.size()) + " cells, not " +
+           std::to_string(grid.info.width) + " x " + std::to_string(grid.info.height);
+  }
+  const auto cells = static_cast<double>(grid.data.size());  // at least as many as along a side
+  const double far_m =
+      std::abs(origin.position.x) + std::abs(origin.position.y) + resolution_m * cells;
+  if (!(far_m / resolution_m < kMostCells)) return "its origin cannot be used";
+  if (std::abs(origin.orientation.x) + std::abs(origin.orientation.y) +
+          std::abs(origin.orientation.z) >
+      1e-6) {
+    return "it is turned; only maps along the axes of their frame can be used";
+  }
+  return {};
+}
+
+}  // namespace
+
+void DenseMapMirror::subscribe(ros::NodeHandle& handle) {
+  const auto hints = ros::TransportHints().tcpNoDelay();
+  maps_ = handle.subscribe("map", 2, &DenseMapMirror::takeMap, this, hints);
+  updates_ = handle.subscribe("map_updates", 1000, &DenseMapMirror::takeUpdate, this, hints);
+}
+
+void DenseMapMirror::takeMap(const nav_msgs::OccupancyGrid& message) {
+  if (message.header.frame_id != map_frame_) {
+    causes_.count("dense maps in another frame", "The dense map comes in the frame '" +
+                                                     message.header.frame_id + "', not '" +
+                                                     map_frame_ + "'; it is not used.");
+    return;
+  }
+  const std::string problem = problemOf(message);
+  if (!problem.empty()) {
+    causes_.count("dense maps refused", "A dense map on `map` is not used: " + problem + ".");
+    return;
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  image_ = fromMessage(message);
+  has_changed_ = true;
+}
+
+void DenseMapMirror::takeUpdate(const map_msgs::OccupancyGridUpdate& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!image_) return;
+  if (!applyUpdate(message, *image_)) {
+    causes_.count("dense map updates that do not fit",
+                  "An update on `map_updates` does not fit into the last `map`; it is not used.");
+    return;
+  }
+  has_changed_ = true;
+}
+
+std::optional<core::OccupancyImage> DenseMapMirror::takeChanged() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!image_ || !has_changed_) return std::nullopt;
+  has_changed_ = false;
+  return image_;
+}
+
+void DenseMapMirror::tellAgain() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  has_changed_ = true;
+}
+
+}  // namespace hymm
