@@ -53,10 +53,14 @@ class CekfSlam::Impl {
         vehicle_config_(vehicle),
         global_updates_(global_updates),
         perception_(config.perception),
-        associator_(config.association, config.update.atFirstEstimates()),
-        scan_update_(config.update.max_iterations,
-                     config.update.atFirstEstimates() ? config.large_correction_m : 0.0),
-        life_cycle_(config.landmarks, config.association, diameterPrior(config.perception.trunks)),
+        associator_(config.association, config.update.atFirstEstimates()
+                                            ? std::optional(config.update.relinearise_m)
+                                            : std::nullopt),
+        scan_update_(config.update.atFirstEstimates()
+                         ? ScanUpdate(config.update.max_iterations, config.large_correction_m)
+                         : ScanUpdate(config.update.max_iterations)),
+        life_cycle_(config.landmarks, config.association, diameterPrior(config.perception.trunks),
+                    config.update.atFirstEstimates()),
         pins_(config.landmarks.pin_delay_s),
         area_(config.active_area),
         estimate_(newEstimate()) {}
@@ -271,7 +275,7 @@ class CekfSlam::Impl {
     const SensorPlacement sensor = sensorPlacement(set);
     life_cycle_.confirm(set, association, estimate_.filter);
     const std::vector<int> created = life_cycle_.create(
-        set, sensor, association, estimate_.vehicle.predictedPose(), estimate_.filter);
+        set, sensor, association, estimate_.vehicle.linearisedAt(), estimate_.filter);
     // What a refused update would have seen is not missed.
     const int missed = scan != nullptr && updated
                            ? life_cycle_.miss(*scan, set, sensor, association, estimate_.filter)
@@ -312,8 +316,8 @@ class CekfSlam::Impl {
   /// False, and nothing is associated, if the update was refused.
   bool update(const ObservationSet& set, ScanAssociation& association, ScanOutcome& outcome) {
     if (association.measurements.empty()) return true;
-    const UpdateOutcome update =
-        scan_update_.update(set, association, estimate_.vehicle, estimate_.filter);
+    const UpdateOutcome update = scan_update_.update(set, association, estimate_.vehicle,
+                                                     life_cycle_.registry(), estimate_.filter);
     if (!std::isfinite(update.nis)) {
       association.slots.assign(association.slots.size(), ScanAssociation::kNone);
       return false;
@@ -382,10 +386,6 @@ class CekfSlam::Impl {
     life_cycle_.refreshNear(VehicleState::pose(estimate_.filter).position(), kRefreshRadius_m,
                             estimate_.filter);
     area_.demandUpdate();
-    if (!config_.update.atFirstEstimates() || !config_.update.reset_first_estimates) return;
-    ++counts_.first_estimate_resets;
-    life_cycle_.resetFirstEstimates(estimate_.filter);
-    estimate_.vehicle.resetFirstEstimate(estimate_.filter);
   }
 
   /// Takes over what a global update that is done has made of the passive landmarks.

@@ -98,7 +98,6 @@ class CekfSlam {
     std::size_t map_corrections =
         0;  ///< scans that moved an active landmark by over large_correction_m
     std::size_t iterated_updates = 0;
-    std::size_t first_estimate_resets = 0;
     std::size_t resets = 0;
     std::size_t resumed = 0;              ///< returns that were accepted, closing or not
     std::size_t refused_resumptions = 0;  ///< of either kind

@@ -26,10 +26,10 @@ void UpdateConfig::describe(ConfigSchema& schema) {
       "where Jacobians are taken: at the latest estimates, or at each landmark's first one, "
       "which keeps directions that nothing observes free of information",
       {"latest", "first_estimates"});
-  schema.flag(
-      "reset_first_estimates", reset_first_estimates,
-      "take first estimates anew after a correction over large_correction_m: Jacobians are "
-      "nearer to the truth, but information about the heading comes in that nothing measured");
+  schema.number("relinearise_m", relinearise_m, Range::notNegative(),
+                "a landmark's first estimate is taken anew, and its covariance carried along, when "
+                "the estimate has moved by more than this; as a share of the nearest ranges, what "
+                "Jacobians are then off by");
   schema.integer("max_iterations", max_iterations, Range::between(1, 20),
                  "of an update whose correction the measurements are not linear over; 1 never "
                  "repeats one, first estimates only those that correct by more than "

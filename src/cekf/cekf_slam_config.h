@@ -20,7 +20,7 @@ struct ActiveAreaConfig {
 /// How a scan corrects the state.
 struct UpdateConfig {
   std::string linearisation = "first_estimates";  ///< or "latest"
-  bool reset_first_estimates = true;              ///< after a large correction
+  double relinearise_m = 0.1;                     ///< move that ends a first estimate's use
   int max_iterations = 3;                         ///< of one update
 
   bool atFirstEstimates() const { return linearisation == "first_estimates"; }

@@ -402,6 +402,23 @@ void CompressedEkf::moveLastLandmarkTo(int row) {
   active_slots_.pop_back();
 }
 
+void CompressedEkf::addVehicleError(int slot, const Vector2d& gain, int vehicle_state) {
+  flushMotion();
+  const int row = rowOf(slot), n = states();
+  VectorXd with_all(n);
+  for (int k = 0; k < n; ++k) with_all[k] = covarianceEntry(k, vehicle_state);
+  const Vector2d with_own = with_all.segment<2>(row);
+  for (int i = 0; i < 2; ++i) {
+    for (int k = 0; k < n; ++k) {
+      if (k == row || k == row + 1) continue;
+      setCovarianceEntry(row + i, k, covarianceEntry(row + i, k) + gain[i] * with_all[k]);
+    }
+  }
+  P_.block<2, 2>(row, row) += gain * with_own.transpose() + with_own * gain.transpose() +
+                              gain * with_all[vehicle_state] * gain.transpose();
+  phi_.block(row, 0, 2, origin_states_) += gain * phi_.block(vehicle_state, 0, 1, origin_states_);
+}
+
 void CompressedEkf::initialiseVehicleStates(int first, const VectorXd& value, const MatrixXd& G,
                                             const MatrixXd& noise) {
   flushMotion();

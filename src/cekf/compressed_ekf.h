@@ -132,6 +132,10 @@ class CompressedEkf {
   /// none in this slot.
   void remove(int slot);
 
+  /// Redefines an active landmark's error: `gain` times the error of a vehicle state is added to it
+  /// (P <- T * P * T' with T = I + gain * e'), while the estimates stay.
+  void addVehicleError(int slot, const Eigen::Vector2d& gain, int vehicle_state);
+
   /// Replaces vehicle states [first, first + value.size()) by `value` = g(vehicle, z), of Jacobian
   /// G (wrt all vehicle states) and additional covariance `noise`.
   void initialiseVehicleStates(int first, const Eigen::VectorXd& value, const Eigen::MatrixXd& G,

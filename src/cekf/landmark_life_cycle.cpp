@@ -7,6 +7,7 @@
 
 #include "cekf/landmark_visibility.h"
 #include "cekf/observation_model.h"
+#include "cekf/relinearisation.h"
 #include "cekf/vehicle_state.h"
 #include "common/chi_square.h"
 
@@ -49,8 +50,9 @@ void fuseDiameter(const Observation& observation, RegisteredLandmark& landmark) 
 
 LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config,
                                      const AssociationConfig& association,
-                                     const DiameterPrior& diameter)
+                                     const DiameterPrior& diameter, bool at_first_estimates)
     : config_(config),
+      at_first_estimates_(at_first_estimates),
       merge_gate_(chiSquareQuantile(config.merge_probability, 2)),
       hit_log_odds_(std::log(config.detection_probability / config.false_detection_probability)),
       miss_log_odds_(std::log((1.0 - config.detection_probability) /
@@ -98,7 +100,7 @@ void LandmarkLifeCycle::noteNeighboursSeenTogether(const std::vector<int>& slots
 
 std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set, const SensorPlacement& sensor,
                                            const ScanAssociation& association,
-                                           const Pose2& predicted, CompressedEkf& filter) {
+                                           const Vector2d& linearised_at, CompressedEkf& filter) {
   std::vector<int> created(set.observations.size(), ScanAssociation::kNone);
   // The first landmarks fix the map: each second without them is drift that stays.
   const bool at_once = registry_.size() == 0;
@@ -122,7 +124,7 @@ std::vector<int> LandmarkLifeCycle::create(const ObservationSet& set, const Sens
         continue;
       }
     }
-    created[i] = promote(observation, set, sensor, predicted, filter);
+    created[i] = promote(observation, set, sensor, linearised_at, filter);
   }
   tentative_.expire(scan_number_);
   return created;
@@ -133,7 +135,7 @@ bool LandmarkLifeCycle::isFarFromOthers(const Vector2d& position) const {
 }
 
 int LandmarkLifeCycle::promote(Observation observation, const ObservationSet& set,
-                               const SensorPlacement& sensor, const Pose2& predicted,
+                               const SensorPlacement& sensor, const Vector2d& linearised_at,
                                CompressedEkf& filter) {
   RegisteredLandmark landmark;
   landmark.diameter_m = observation.diameter_m;
@@ -166,8 +168,7 @@ int LandmarkLifeCycle::promote(Observation observation, const ObservationSet& se
   landmark.existence_log_odds = hit_log_odds_;
   landmark.position = located.position;
   landmark.deviation_m = std::sqrt(filter.covariance(landmark.slot, landmark.slot).trace());
-  const Pose2 pose = VehicleState::pose(filter);
-  landmark.first_estimate = located.position + predicted.position() - pose.position();
+  landmark.linearised_at = located.position + linearised_at - VehicleState::pose(filter).position();
   registry_.add(landmark);
   changed_ids_.insert(landmark.id);
   if (landmark.identity < 0 && landmark.observations < config_.confirm_observations) {
@@ -304,6 +305,15 @@ double LandmarkLifeCycle::fuse(const std::vector<DuplicateLandmarks>& duplicates
     same_place.noise = kFusionVariance * Matrix2d::Identity();
     same_places.push_back(same_place);
   }
+  // Which turn of the map would tear them apart: none, once their covariances belong to one place.
+  const auto fused = at_first_estimates_ ? filter.statesAfter(same_places) : std::nullopt;
+  if (fused) {
+    for (const DuplicateLandmarks& pair : duplicates) {
+      const Vector2d place = filter.landmarkAmong(*fused, pair.kept);
+      relinearise(registry_.bySlot(pair.kept), place, filter);
+      relinearise(registry_.bySlot(pair.gone), place, filter);
+    }
+  }
   const UpdateOutcome outcome = filter.update(same_places);
   if (!std::isfinite(outcome.nis)) return 0.0;
   for (const DuplicateLandmarks& pair : duplicates) {
@@ -341,7 +351,6 @@ void LandmarkLifeCycle::refreshActive(const CompressedEkf& filter) {
   for (const int slot : filter.activeLandmarks()) {
     RegisteredLandmark& landmark = registry_.bySlot(slot);
     registry_.move(landmark, filter.landmark(slot));
-    landmark.is_first_estimate_open = false;
     if (landmark.diameter_state.exists()) {
       landmark.diameter_m = DiameterStates::mean(landmark.diameter_state, filter);
       landmark.diameter_variance = DiameterStates::variance(landmark.diameter_state, filter);
@@ -356,7 +365,6 @@ void LandmarkLifeCycle::refreshSettled(const CompressedEkf& filter) {
     if (landmark.id < 0 || filter.isActive(slot)) continue;
     landmark.deviation_m = std::sqrt(filter.settledVariance(slot));
     const Vector2d position = filter.settledPosition(slot);
-    if (landmark.is_first_estimate_open) landmark.first_estimate = position;
     if ((position - landmark.position).norm() > kNoticeableMove_m) {
       registry_.move(landmark, position);
     }
@@ -367,17 +375,7 @@ void LandmarkLifeCycle::refreshSettled(const CompressedEkf& filter) {
 void LandmarkLifeCycle::refreshNear(const Vector2d& centre, double radius_m,
                                     const CompressedEkf& filter) {
   for (const int slot : registry_.slotsNear(centre, radius_m)) {
-    RegisteredLandmark& landmark = registry_.bySlot(slot);
-    registry_.move(landmark, filter.landmark(slot));
-    if (landmark.is_first_estimate_open) landmark.first_estimate = landmark.position;
-  }
-}
-
-void LandmarkLifeCycle::resetFirstEstimates(const CompressedEkf& filter) {
-  for (RegisteredLandmark& landmark : registry_.slots()) {
-    if (landmark.id < 0) continue;
-    landmark.first_estimate = landmark.position;
-    landmark.is_first_estimate_open = !filter.isActive(landmark.slot);
+    registry_.move(registry_.bySlot(slot), filter.landmark(slot));
   }
 }
 

@@ -28,17 +28,17 @@ class LandmarkLifeCycle {
   };
 
   LandmarkLifeCycle(const LandmarkConfig& config, const AssociationConfig& association,
-                    const DiameterPrior& diameter = {});
+                    const DiameterPrior& diameter = {}, bool at_first_estimates = false);
 
   /// Notes what the associated observations say of their landmarks.
   void confirm(const ObservationSet& set, const ScanAssociation& association,
                CompressedEkf& filter);
 
   /// Lets observations without a landmark become tentative ones, and promotes those seen often
-  /// enough into the state. Returns by observation the new landmark's slot, or kNone. `predicted`:
-  /// where Jacobians took the vehicle to be, before the scan corrected it.
+  /// enough into the state. Returns by observation the new landmark's slot, or kNone.
+  /// `linearised_at`: the vehicle's position that the covariance belongs to.
   std::vector<int> create(const ObservationSet& set, const SensorPlacement& sensor,
-                          const ScanAssociation& association, const Pose2& predicted,
+                          const ScanAssociation& association, const Eigen::Vector2d& linearised_at,
                           CompressedEkf& filter);
 
   /// Landmarks that `scan` should have shown and did not lose odds of existence; those that lost
@@ -66,9 +66,6 @@ class LandmarkLifeCycle {
   void refreshSettled(const CompressedEkf& filter);
   /// Takes over the filter's positions of all landmarks within `radius_m`, active or not.
   void refreshNear(const Eigen::Vector2d& centre, double radius_m, const CompressedEkf& filter);
-  /// Lets Jacobians be taken at the present estimates from now on; those of passive landmarks at
-  /// what global updates make of them until they are seen again.
-  void resetFirstEstimates(const CompressedEkf& filter);
 
   void clear();
 
@@ -88,7 +85,7 @@ class LandmarkLifeCycle {
  private:
   bool isFarFromOthers(const Eigen::Vector2d& position) const;
   int promote(Observation observation, const ObservationSet& set, const SensorPlacement& sensor,
-              const Pose2& predicted, CompressedEkf& filter);
+              const Eigen::Vector2d& linearised_at, CompressedEkf& filter);
   void noteNeighboursSeenTogether(const std::vector<int>& slots);
   bool areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
                     CompressedEkf& filter) const;
@@ -100,6 +97,7 @@ class LandmarkLifeCycle {
   void followMerges();
 
   LandmarkConfig config_;
+  bool at_first_estimates_;  ///< whether RegisteredLandmark::linearised_at counts
   double merge_gate_;
   double hit_log_odds_, miss_log_odds_;
   LandmarkRegistry registry_;

@@ -28,10 +28,8 @@ struct RegisteredLandmark {
   double existence_log_odds = 0.0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< last known; the filter's is the truth
   double deviation_m = 0.0;  ///< bound of its deviation in the map; may lag behind the filter's
-  Eigen::Vector2d first_estimate = Eigen::Vector2d::Zero();  ///< where Jacobians may be taken
-  /// Reset while passive: the first estimate is wherever global updates put the landmark until it
-  /// is seen again.
-  bool is_first_estimate_open = false;
+  /// Where Jacobians are taken, if not at the latest estimate; see relinearise().
+  Eigen::Vector2d linearised_at = Eigen::Vector2d::Zero();
 };
 
 /// All landmarks of the map, found by id, slot, identity or place.

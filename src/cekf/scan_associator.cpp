@@ -7,6 +7,7 @@
 
 #include "cekf/landmark_measurement.h"
 #include "cekf/pairing_evidence.h"
+#include "cekf/relinearisation.h"
 #include "cekf/vehicle_state.h"
 #include "common/chi_square.h"
 
@@ -35,9 +36,9 @@ double diameterCost(const Observation& observation, const RegisteredLandmark& la
 
 }  // namespace
 
-ScanAssociator::ScanAssociator(const AssociationConfig& config, bool at_first_estimates)
+ScanAssociator::ScanAssociator(const AssociationConfig& config, std::optional<double> relinearise_m)
     : config_(config),
-      at_first_estimates_(at_first_estimates),
+      relinearise_m_(relinearise_m),
       individual_gate_(chiSquareQuantile(config.individual_probability, 2)),
       new_landmark_gate_(chiSquareQuantile(config.new_landmark_probability, 2)),
       identity_gate_(chiSquareQuantile(config.identity_probability, 2)),
@@ -46,7 +47,7 @@ ScanAssociator::ScanAssociator(const AssociationConfig& config, bool at_first_es
               config.max_nodes}) {}
 
 SparseMeasurement ScanAssociator::measure(Observation& sighting, const SensorPlacement& sensor,
-                                          const RegisteredLandmark& landmark,
+                                          RegisteredLandmark& landmark,
                                           CompressedEkf& filter) const {
   filter.activate(landmark.slot);
   const DiameterState& diameter = landmark.diameter_state;
@@ -63,8 +64,12 @@ SparseMeasurement ScanAssociator::measure(Observation& sighting, const SensorPla
     measurement.landmarks[1] = diameter.slot;
     measurement.H_landmarks[1].col(diameter.half) = -diameterGain(sighting);
   }
-  if (at_first_estimates_) {
-    linearise(measurement, pose, sensor, landmark.first_estimate, states);
+  if (relinearise_m_) {
+    const Vector2d place = filter.landmark(landmark.slot);
+    if ((place - landmark.linearised_at).norm() > *relinearise_m_) {
+      relinearise(landmark, place, filter);
+    }
+    linearise(measurement, pose, sensor, landmark.linearised_at, states);
   }
   return measurement;
 }
@@ -115,7 +120,7 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, const Sensor
   for (std::size_t i = 0; i < set.observations.size(); ++i) {
     const Observation& observation = set.observations[i];
     if (observation.identity < 0) continue;
-    const RegisteredLandmark* landmark = registry.findIdentity(observation.identity);
+    RegisteredLandmark* landmark = registry.findIdentity(observation.identity);
     if (landmark == nullptr) continue;
     result.claimed[i] = true;
     Observation sighting = observation;
@@ -135,7 +140,7 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, const Sensor
 
 std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
     const ObservationSet& set, const SensorPlacement& sensor, int observation_index,
-    const LandmarkRegistry& registry, CompressedEkf& filter, ScanAssociation& result) const {
+    LandmarkRegistry& registry, CompressedEkf& filter, ScanAssociation& result) const {
   const auto i = static_cast<std::size_t>(observation_index);
   const Observation& observation = set.observations[i];
   const Eigen::MatrixXd P_vv = filter.vehicleCovariance();
@@ -152,7 +157,7 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
 
   std::vector<Candidate> candidates;
   for (const int slot : registry.slotsNear(located.position, reach_m)) {
-    const RegisteredLandmark& landmark = registry.bySlot(slot);
+    RegisteredLandmark& landmark = registry.bySlot(slot);
     const double distance_m = (landmark.position - located.position).norm();
     if (distance_m > own_reach_m + gate * landmark.deviation_m) continue;
     if (std::find(result.slots.begin(), result.slots.end(), slot) != result.slots.end()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "cekf/cekf_slam_config.h"
@@ -30,8 +31,10 @@ struct ScanAssociation {
 /// considers.
 class ScanAssociator {
  public:
-  /// `at_first_estimates`: measurements are linearised at the landmarks' first estimates.
-  explicit ScanAssociator(const AssociationConfig& config, bool at_first_estimates = false);
+  /// Measurements are linearised at the latest estimates; with `relinearise_m`, at the places that
+  /// the landmarks' covariances belong to, which follow where an estimate has moved by more.
+  explicit ScanAssociator(const AssociationConfig& config,
+                          std::optional<double> relinearise_m = std::nullopt);
 
   ScanAssociation associate(const ObservationSet& set, const SensorPlacement& sensor,
                             LandmarkRegistry& registry, CompressedEkf& filter) const;
@@ -51,20 +54,20 @@ class ScanAssociator {
   /// The measurement of a landmark, which is made active. `sighting`: the observation, which
   /// becomes what it is for the landmark's diameter.
   SparseMeasurement measure(Observation& sighting, const SensorPlacement& sensor,
-                            const RegisteredLandmark& landmark, CompressedEkf& filter) const;
+                            RegisteredLandmark& landmark, CompressedEkf& filter) const;
   void associateByIdentity(const ObservationSet& set, const SensorPlacement& sensor,
                            LandmarkRegistry& registry, CompressedEkf& filter,
                            ScanAssociation& result) const;
   std::vector<Candidate> compatibleLandmarks(const ObservationSet& set,
                                              const SensorPlacement& sensor, int observation,
-                                             const LandmarkRegistry& registry,
-                                             CompressedEkf& filter, ScanAssociation& result) const;
+                                             LandmarkRegistry& registry, CompressedEkf& filter,
+                                             ScanAssociation& result) const;
   void chooseNearest(const std::vector<Candidate>& candidates, ScanAssociation& result) const;
   void chooseJointly(const std::vector<Candidate>& candidates, const CompressedEkf& filter,
                      ScanAssociation& result) const;
 
   AssociationConfig config_;
-  bool at_first_estimates_;
+  std::optional<double> relinearise_m_;
   double individual_gate_;
   double new_landmark_gate_;
   double identity_gate_;

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 
 #include "cekf/landmark_measurement.h"
+#include "cekf/relinearisation.h"
 
 namespace hymm::core {
 namespace {
@@ -25,13 +26,14 @@ Vector2d predictedChange(const SparseMeasurement& measurement, const CompressedE
 }  // namespace
 
 bool ScanUpdate::isLarge(const Measurements& measurements, const CompressedEkf& filter) const {
-  if (least_move_m_ <= 0.0) return true;
+  if (!least_move_m_) return true;
   const std::optional<VectorXd> states = filter.statesAfter(measurements);
-  return states && filter.largestMove(*states) > least_move_m_;
+  return states && filter.largestMove(*states) > *least_move_m_;
 }
 
 UpdateOutcome ScanUpdate::update(const ObservationSet& set, const ScanAssociation& association,
-                                 const VehicleState& vehicle, CompressedEkf& filter) {
+                                 VehicleState& vehicle, LandmarkRegistry& registry,
+                                 CompressedEkf& filter) {
   Measurements measurements = association.measurements;
   if (!isLarge(measurements, filter)) return filter.update(measurements);
   for (int iteration = 1; iteration < max_iterations_; ++iteration) {
@@ -59,6 +61,12 @@ UpdateOutcome ScanUpdate::update(const ObservationSet& set, const ScanAssociatio
     if (worst2 < kNegligible * kNegligible) break;
     if (iteration == 1) ++iterated_;
     measurements = std::move(again);
+    if (!least_move_m_) continue;
+    relinearise(vehicle, at.head<2>(), filter);
+    for (const SparseMeasurement& measurement : measurements) {
+      const int slot = measurement.landmarks[0];
+      relinearise(registry.bySlot(slot), filter.landmarkAmong(*states, slot), filter);
+    }
   }
   return filter.update(measurements);
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "cekf/compressed_ekf.h"
+#include "cekf/landmark_registry.h"
 #include "cekf/scan_associator.h"
 #include "cekf/vehicle_state.h"
 #include "perception/observation.h"
@@ -15,13 +17,14 @@ namespace hymm::core {
 /// (iterated EKF: the innovation becomes z - h(x_i) - H_i * (x - x_i)).
 class ScanUpdate {
  public:
-  /// Updates that move no landmark by more than `least_move_m` are never repeated: with Jacobians
-  /// at first estimates, for those that end the first estimates' use.
-  explicit ScanUpdate(int max_iterations, double least_move_m = 0.0)
+  explicit ScanUpdate(int max_iterations) : max_iterations_(max_iterations) {}
+  /// With Jacobians at first estimates: updates that move no landmark by more than `least_move_m`
+  /// are never repeated, and to those that are the covariance is carried along.
+  ScanUpdate(int max_iterations, double least_move_m)
       : max_iterations_(max_iterations), least_move_m_(least_move_m) {}
 
   UpdateOutcome update(const ObservationSet& set, const ScanAssociation& association,
-                       const VehicleState& vehicle, CompressedEkf& filter);
+                       VehicleState& vehicle, LandmarkRegistry& registry, CompressedEkf& filter);
 
   /// Updates that were repeated.
   std::size_t iterated() const { return iterated_; }
@@ -32,7 +35,7 @@ class ScanUpdate {
   bool isLarge(const Measurements& measurements, const CompressedEkf& filter) const;
 
   int max_iterations_;
-  double least_move_m_;
+  std::optional<double> least_move_m_;  ///< with Jacobians at first estimates
   std::size_t iterated_ = 0;
 };
 

@@ -144,10 +144,10 @@ void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
   Eigen::MatrixXd J = Eigen::MatrixXd::Identity(size_, size_);
   J.topLeftCorner<3, 3>() = step.J_pose;
   if (at_first_estimates_) {
-    const Eigen::Vector2d correction = corrected.position() - predicted_.position();
+    const Eigen::Vector2d correction = corrected.position() - linearised_at_;
     J.block<2, 1>(0, 2) += Eigen::Vector2d(-correction.y(), correction.x());
   }
-  predicted_ = step.pose;
+  linearised_at_ = step.pose.position();
   for (int k = 0; k < 3; ++k) {
     const int index = calibration_index_[static_cast<std::size_t>(k)];
     if (index >= 0) J.block<3, 1>(0, index) = step.J_calibration.col(k);

@@ -54,10 +54,10 @@ class VehicleState {
   /// Moves the filter to `time_s` with the input in force, as standing still before the first.
   void moveTo(CompressedEkf& filter, double time_s);
 
-  /// Where the last motion has put the vehicle, whatever was measured since.
-  const Pose2& predictedPose() const { return predicted_; }
-  /// Lets the next motion's Jacobian lead from the present pose.
-  void resetFirstEstimate(const CompressedEkf& filter) { predicted_ = pose(filter); }
+  /// The position that the covariance belongs to where Jacobians are taken at first estimates:
+  /// where the last motion has put the vehicle, whatever was measured since. See relinearise().
+  const Eigen::Vector2d& linearisedAt() const { return linearised_at_; }
+  void linearisePositionAt(const Eigen::Vector2d& position) { linearised_at_ = position; }
 
   bool hasInput() const { return has_input_; }
   double time_s() const { return time_s_; }
@@ -82,7 +82,7 @@ class VehicleState {
   int size_ = 5;
 
   bool at_first_estimates_;
-  Pose2 predicted_;
+  Eigen::Vector2d linearised_at_ = Eigen::Vector2d::Zero();
   MotionInput input_ = TwistInput{};
   bool has_input_ = false;
   bool started_ = false;

@@ -78,7 +78,6 @@ void CekfSlamNode::diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& s
                         "Scans waited for global updates: the machine is too slow for this map");
   }
   status.add("map corrections", counts.map_corrections);
-  status.add("resets of first estimates", counts.first_estimate_resets);
   status.add("iterated updates", counts.iterated_updates);
   status.add("resets", counts.resets);
   status.add("latency, worst of the last second [ms]", worst_latency_ms_);

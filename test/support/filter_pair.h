@@ -75,6 +75,12 @@ class FilterPair {
     slots_.erase(id);
   }
 
+  void addVehicleError(int id, const Eigen::Vector2d& gain, int vehicle_state) {
+    compressed_.activate(slots_.at(id));
+    compressed_.addVehicleError(slots_.at(id), gain, vehicle_state);
+    full_.addVehicleError(id, gain, vehicle_state);
+  }
+
   void update(const std::vector<Row>& compressed_rows, const std::vector<Row>& full_rows) {
     std::vector<core::SparseMeasurement> measurements;
     for (const Row& row : compressed_rows) measurements.push_back(sparse(row));

@@ -87,6 +87,12 @@ class FullEkf {
     x_.segment(first, value.size()) = value;
   }
 
+  void addVehicleError(int id, const Eigen::Vector2d& gain, Eigen::Index vehicle_state) {
+    Eigen::MatrixXd T = Eigen::MatrixXd::Identity(x_.size(), x_.size());
+    T.block<2, 1>(index(id), vehicle_state) = gain;
+    P_ = (T * P_ * T.transpose()).eval();
+  }
+
   Eigen::Index index(int id) const { return index_.at(id); }
   const std::map<int, Eigen::Index>& landmarks() const { return index_; }
   const Eigen::VectorXd& state() const { return x_; }

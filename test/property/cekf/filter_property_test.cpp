@@ -32,6 +32,7 @@ enum class Kind {
   kFuse,
   kFix,
   kInitialise,
+  kAddVehicleError,
   kGlobalUpdate,
   kFinishGlobalUpdate
 };
@@ -44,8 +45,9 @@ struct Step {
 };
 
 void showValue(const Step& step, std::ostream& stream) {
-  static const char* const kNames[] = {"predict", "append",     "remove",        "observe", "fuse",
-                                       "fix",     "initialise", "global update", "finish"};
+  static const char* const kNames[] = {"predict",       "append", "remove",     "observe",
+                                       "fuse",          "fix",    "initialise", "vehicle error",
+                                       "global update", "finish"};
   stream << kNames[static_cast<int>(step.kind)] << ' ' << step.chance;
 }
 
@@ -57,6 +59,7 @@ rc::Gen<std::vector<Step>> anyHistory() {
                                                     {1, Kind::kFuse},
                                                     {1, Kind::kFix},
                                                     {1, Kind::kInitialise},
+                                                    {2, Kind::kAddVehicleError},
                                                     {2, Kind::kGlobalUpdate},
                                                     {1, Kind::kFinishGlobalUpdate}});
   // Twice as long as RapidCheck would make them: short histories find little.
@@ -98,6 +101,9 @@ class RandomFilters {
         return filters_.update({vehicleRow()});
       case Kind::kInitialise:
         return initialise();
+      case Kind::kAddVehicleError:
+        if (filters_.slots().empty()) return;
+        return filters_.addVehicleError(anyLandmark(), randomMatrix(generator_, 2, 1, 1.0), 2);
       case Kind::kGlobalUpdate:
         filters_.compressed().globalUpdate();
         return;

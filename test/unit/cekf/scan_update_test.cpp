@@ -34,6 +34,10 @@ class Turned {
       observation.bearing_rad = z[1];
       observation.covariance = Vector2d(1e-4, 1e-6).asDiagonal();
       set_.observations.push_back(observation);
+      RegisteredLandmark landmark;
+      landmark.id = landmark.slot = slot;
+      landmark.position = landmark.linearised_at = place;
+      registry_.add(landmark);
       association_.slots.push_back(slot);
       association_.sightings.push_back(observation);
       association_.measurements.push_back(
@@ -43,7 +47,7 @@ class Turned {
 
   /// Error of the position after the update [m].
   double update(ScanUpdate& scan_update, double true_yaw_rad) {
-    outcome_ = scan_update.update(set_, association_, vehicle_, filter_);
+    outcome_ = scan_update.update(set_, association_, vehicle_, registry_, filter_);
     return (filter_.vehicle().head<2>() - Vector2d(2.0 * true_yaw_rad, 0.0)).norm();
   }
   const UpdateOutcome& outcome() const { return outcome_; }
@@ -57,6 +61,7 @@ class Turned {
 
   VehicleState vehicle_;
   CompressedEkf filter_;
+  LandmarkRegistry registry_;
   ObservationSet set_;
   ScanAssociation association_;
   UpdateOutcome outcome_;

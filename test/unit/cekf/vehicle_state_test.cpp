@@ -82,9 +82,9 @@ TEST(VehicleState, LeavesOutWhatIsKnownForCertain) {
 }
 
 /// Turning the whole map about its origin moves the vehicle like this, and nothing measures it.
-Eigen::VectorXd turnOfTheMap(const Pose2& pose, int states) {
+Eigen::VectorXd turnOfTheMap(const Eigen::Vector2d& position, int states) {
   Eigen::VectorXd turn = Eigen::VectorXd::Zero(states);
-  turn.head<3>() << -pose.y_m, pose.x_m, 1.0;
+  turn.head<3>() << -position.y(), position.x(), 1.0;
   return turn;
 }
 
@@ -94,10 +94,10 @@ double inventedKnowledge(bool at_first_estimates) {
   const VehicleConfig config;
   // What the motion's noise adds is the same in both filters: the difference is the map's heading.
   std::vector<Eigen::MatrixXd> covariances;
-  Pose2 predicted;
+  Eigen::Vector2d place;
   for (const double unknown : {1.0, 0.0}) {
     VehicleState vehicle(config, false, false, at_first_estimates);
-    const Eigen::VectorXd turn = unknown * turnOfTheMap(Pose2{}, vehicle.size());
+    const Eigen::VectorXd turn = unknown * turnOfTheMap(Eigen::Vector2d::Zero(), vehicle.size());
     CompressedEkf filter(vehicle.initialState(), turn * turn.transpose());
     vehicle.takeInput(filter, AckermannInput{0.0, 3.0, 0.2});
     vehicle.moveTo(filter, 1.0);
@@ -106,9 +106,9 @@ double inventedKnowledge(bool at_first_estimates) {
     filter.setVehicleState(1, state[1] - 0.8);
     vehicle.moveTo(filter, 2.0);
     covariances.push_back(filter.vehicleCovariance());
-    predicted = vehicle.predictedPose();
+    place = vehicle.linearisedAt();
   }
-  const Eigen::VectorXd turn = turnOfTheMap(predicted, static_cast<int>(covariances[0].rows()));
+  const Eigen::VectorXd turn = turnOfTheMap(place, static_cast<int>(covariances[0].rows()));
   return (covariances[0] - covariances[1] - turn * turn.transpose()).norm();
 }
 

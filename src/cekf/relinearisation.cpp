@@ -1,0 +1,27 @@
+#include "cekf/relinearisation.h"
+
+namespace hymm::core {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int kYaw = 2;
+
+Vector2d turnedLeft(const Vector2d& v) { return {-v.y(), v.x()}; }
+
+}  // namespace
+
+void relinearise(RegisteredLandmark& landmark, const Vector2d& place, CompressedEkf& filter) {
+  filter.activate(landmark.slot);
+  filter.addVehicleError(landmark.slot, turnedLeft(place - landmark.linearised_at), kYaw);
+  landmark.linearised_at = place;
+}
+
+void relinearise(VehicleState& vehicle, const Vector2d& place, CompressedEkf& filter) {
+  Eigen::MatrixXd G = Eigen::MatrixXd::Identity(2, filter.vehicleStates());
+  G.col(kYaw) = turnedLeft(place - vehicle.linearisedAt());
+  filter.initialiseVehicleStates(0, filter.vehicle().head<2>(), G, Eigen::Matrix2d::Zero());
+  vehicle.linearisePositionAt(place);
+}
+
+}  // namespace hymm::core
