@@ -28,8 +28,8 @@ namespace {
 using core::Pose2;
 using Eigen::Vector2d;
 
-constexpr double kRange_m = 15.0;  // of the detector, as the information map counts on
-constexpr double kBlockRange_m = 30.0;
+constexpr double kRange_m = 30.0;  // of the detector, and what the information map counts on
+constexpr double kBlockRange_m = 2.0 * kRange_m;
 constexpr double kMotion_hz = 40.0;
 constexpr int kMotionsPerLook = 8;
 constexpr double kNearestGoal_m = 15.0;  // so that the car can turn around before it
@@ -39,7 +39,7 @@ constexpr double kTurningRadius_m = 6.0;
 core::SimulationConfig driveConfig() {
   core::SimulationConfig config;
   config.world.name = "park";
-  config.drive.laps = 1;
+  config.drive.laps = 2;
   config.laser.enabled = false;
   config.gps.enabled = false;
   config.detections.enabled = true;
@@ -175,9 +175,10 @@ Trip drive(Departure& from, const std::vector<Vector2d>& way_in_estimate, unsign
   return trip;
 }
 
-/// Random places at the edge of what is in range of a landmark, as far as the suggested goals are.
+/// Random places at the edge of what is in range of a landmark, within some distances.
 std::vector<core::ExplorationGoal> frontierGoals(const core::LandmarkMap& map, const Pose2& pose,
-                                                 std::size_t count, double farthest_m,
+                                                 std::size_t count, double nearest_m,
+                                                 double farthest_m,
                                                  core::RandomGenerator& generator) {
   std::vector<core::ExplorationGoal> goals;
   for (int tries = 0; goals.size() < count && tries < 100000; ++tries) {
@@ -185,7 +186,7 @@ std::vector<core::ExplorationGoal> frontierGoals(const core::LandmarkMap& map, c
     const double angle = core::sampleUniform(generator, -core::kPi, core::kPi);
     const Vector2d place = from.position + kRange_m * Vector2d(std::cos(angle), std::sin(angle));
     const double way_m = (place - pose.position()).norm();
-    if (way_m < kNearestGoal_m || way_m > farthest_m) continue;
+    if (way_m < nearest_m || way_m > farthest_m) continue;
     const bool is_frontier = std::none_of(
         map.landmarks.begin(), map.landmarks.end(),
         [&](const auto& landmark) { return (landmark.position - place).norm() < kRange_m - 1e-6; });
@@ -218,7 +219,7 @@ void report(const char* kind, unsigned seed, double departure_s, double deviatio
 }
 
 void run(unsigned seed, std::size_t goals_each, const core::InformationMapConfig& config) {
-  for (const double departure_s : {30.0, 60.0, 90.0}) {
+  for (const double departure_s : {20.0, 40.0, 90.0, 150.0}) {
     Departure departure(seed, departure_s);
     const core::LandmarkMap map = departure.filter.landmarkMap(kBlockRange_m);
     const core::PoseEstimate pose = departure.filter.pose();
@@ -228,15 +229,14 @@ void run(unsigned seed, std::size_t goals_each, const core::InformationMapConfig
     request.T_map_base = pose.T_map_base;
     request.covariance = pose.covariance;
     const core::ExplorationAnswer answer = information.suggestExploration(request);
-    if (!answer.problem.empty()) std::fprintf(stderr, "%s\n", answer.problem.c_str());
     const auto suggested = suggestedGoals(answer, goals_each);
-    double farthest_m = kNearestGoal_m;
-    for (const core::ExplorationGoal& goal : suggested) {
-      farthest_m = std::max(farthest_m, goal.way_m);
-    }
+    if (suggested.empty()) continue;
+    const auto [nearest, farthest] =
+        std::minmax_element(suggested.begin(), suggested.end(),
+                            [](const auto& a, const auto& b) { return a.way_m < b.way_m; });
     core::RandomGenerator generator(seed);
-    const auto frontier =
-        frontierGoals(map, pose.T_map_base, suggested.size(), 1.5 * farthest_m, generator);
+    const auto frontier = frontierGoals(map, pose.T_map_base, suggested.size(), nearest->way_m,
+                                        farthest->way_m, generator);
     const double now_m = largestDeviation(pose.covariance);
     unsigned trips = 0;
     for (const core::ExplorationGoal& goal : suggested) {
@@ -262,7 +262,11 @@ int main(int argc, char** argv) {
   }
   hymm::core::InformationMapConfig config;
   config.exploration.max_position_deviation_m = std::atof(argv[3]);
+  config.information.sensor.range_m = 30.0;
   config.exploration.max_suggestions = 1000;
+  // The set to stay in is where one look tells as much as the limit asks for.
+  config.level_sets.values =
+      std::to_string(1.0 / std::pow(config.exploration.max_position_deviation_m, 2));
   std::puts(
       "kind,seed,departure_s,deviation_then_m,way_m,predicted_position_m,predicted_heading_rad,"
       "driven_m,position_deviation_m,heading_deviation_rad,position_error_m,heading_error_rad,"
