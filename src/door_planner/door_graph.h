@@ -91,6 +91,13 @@ class DoorGraph {
   double leastPerMetre() const { return least_; }
   double maxMetricError() const { return max_metric_error_; }
 
+  /// Whether what a place in an LTR holds has come, and it is neither occupied nor too near to what
+  /// is.
+  bool isPassable(int ltr, const Triangle::Local& local) const {
+    const std::shared_ptr<const CellCosts>& costs = this->ltr(ltr).costs;
+    return costs && costs->isPassable(costs->grid().index(local));
+  }
+
   /// An LTR that contains a point of map; kNone outside of all.
   int locate(const Eigen::Vector2d& point) const;
 

@@ -68,9 +68,19 @@ void PlannedVehicleConfig::describe(ConfigSchema& schema) {
               "refined paths may go backwards (Reeds-Shepp), else not (Dubins)");
 }
 
+void RefinementConfig::describe(ConfigSchema& schema) {
+  schema.flag("enabled", enabled, "paths are refined for the turning radius, where that succeeds");
+  schema.integer("iterations", iterations, Range::between(0.0, 1e6),
+                 "of the search by RRT* in all of a path, where simple curves are blocked");
+  schema.number("step_m", step_m, Range{0.05, 2.0, false},
+                "between poses of a refined path, at most; so often it is checked");
+  schema.integer("seed", seed, Range::between(0.0, 2147483647.0), "of the search");
+}
+
 void DoorPlannerConfig::describe(ConfigSchema& schema) {
   schema.group("footprint", vehicle);
   schema.group("cost", cost);
+  schema.group("refinement", refinement);
   schema.number("portal_spacing_m", portal_spacing_m, Range{0.2, 50.0, false},
                 "largest distance of portals on a side; a quarter of the side if that is less");
   schema.number("max_metric_error", max_metric_error, Range{0.001, 0.1, false},

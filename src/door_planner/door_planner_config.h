@@ -48,10 +48,21 @@ struct PlannedVehicleConfig {
   void describe(ConfigSchema& schema);
 };
 
+/// How paths are made passable for a car.
+struct RefinementConfig {
+  bool enabled = true;
+  int iterations = 2000;
+  double step_m = 0.25;
+  int seed = 1;
+
+  void describe(ConfigSchema& schema);
+};
+
 /// Parameters of the door planner, as the node `door_planner` documents them.
 struct DoorPlannerConfig {
   PlannedVehicleConfig vehicle;
   PathCostConfig cost;
+  RefinementConfig refinement;
   double portal_spacing_m = 4.0;
   double max_metric_error = 0.02;
   double shape_tolerance = 0.01;

@@ -6,6 +6,7 @@
 
 #include "ros/grid_conversions.h"
 #include "ros/map_conversions.h"
+#include "ros/pose_conversions.h"
 #include "ros/steady_time.h"
 
 namespace hymm {
@@ -24,7 +25,8 @@ void fill(const core::Plan& plan, const std_msgs::Header& header, Message& messa
   message.success = plan.ok();
   message.status = core::nameOf(plan.status);
   message.message = plan.sentence;
-  message.path = pathMessage(plan.path, header);
+  message.path = pathMessage(plan.path, header, plan.points);
+  message.refined = plan.is_refined;
   message.cost = plan.cost;
   message.cost_with_uncertainty = plan.cost_with_uncertainty;
   message.length = plan.length_m;
@@ -33,6 +35,12 @@ void fill(const core::Plan& plan, const std_msgs::Header& header, Message& messa
 }
 
 Eigen::Vector2d placeOf(const geometry_msgs::Point& point) { return {point.x, point.y}; }
+
+/// Nothing where a message leaves the orientation out.
+std::optional<double> headingOf(const geometry_msgs::Quaternion& q) {
+  if (q.x == 0.0 && q.y == 0.0 && q.z == 0.0 && q.w == 0.0) return std::nullopt;
+  return yawOf(q);
+}
 
 core::Plan refusal(core::PlanStatus status, const std::string& sentence) {
   core::Plan plan;
@@ -132,7 +140,7 @@ void DoorPlannerNode::publishLive(LivePlan& live) {
   }
   if (moved_m < kMoved_m) return;
   live.sent = *places;
-  plan_publisher_.publish(pathMessage(*places, header()));
+  plan_publisher_.publish(pathMessage(*places, header(), live.plan.points));
 }
 
 void DoorPlannerNode::takeLtrs(const LtrMap& message) {
@@ -156,10 +164,10 @@ void DoorPlannerNode::takeGrid(const LtrGrid& message) {
 }
 
 void DoorPlannerNode::takePose(const geometry_msgs::PoseWithCovarianceStamped& message) {
-  const Eigen::Vector2d place = placeOf(message.pose.pose.position);
-  if (!isOurFrame(message.header.frame_id, "pose") || !place.allFinite()) return;
+  const core::Pose2 pose = fromMessage(message.pose.pose);
+  if (!isOurFrame(message.header.frame_id, "pose") || !pose.vector().allFinite()) return;
   const std::lock_guard<std::mutex> lock(mutex_);
-  vehicle_ = place;
+  vehicle_ = pose;
 }
 
 void DoorPlannerNode::takeLevelSet(const LevelSet& message) {
@@ -172,13 +180,16 @@ void DoorPlannerNode::takeLevelSet(const LevelSet& message) {
 core::Plan DoorPlannerNode::plan(const Wish& wish, const std::function<bool()>& cancelled) {
   core::PlanRequest request;
   request.goal = wish.goal;
+  request.goal_heading = wish.goal_heading;
+  request.is_refined = wish.is_refined && config_.refinement.enabled;
   request.tolerance_m = wish.tolerance_m < 0.0 ? config_.tolerance_m : wish.tolerance_m;
   std::shared_ptr<const InformedPlaces> informed;
   std::optional<core::Plan> refused;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (wish.start || vehicle_) {
-      request.start = wish.start ? *wish.start : *vehicle_;
+      request.start = wish.start ? *wish.start : vehicle_->position();
+      request.start_heading = wish.start ? wish.start_heading : vehicle_->yaw_rad;
     } else {
       refused = refusal(core::PlanStatus::kBadRequest,
                         "No pose has come on 'pose' yet to start from; give a start.");
@@ -218,7 +229,7 @@ void DoorPlannerNode::keep(const Wish& wish, const core::Plan& plan) {
     publishLive(*live_);
   } else {
     ROS_WARN_STREAM(core::nameOf(plan.status) << ": " << plan.sentence);
-    plan_publisher_.publish(pathMessage({}, header()));
+    plan_publisher_.publish(pathMessage({}, header(), {}));
   }
 }
 
@@ -226,6 +237,7 @@ void DoorPlannerNode::takeGoal(const geometry_msgs::PoseStamped& message) {
   if (!isOurFrame(message.header.frame_id, "move_base_simple/goal")) return;
   Wish wish;
   wish.goal = placeOf(message.pose.position);
+  wish.goal_heading = headingOf(message.pose.orientation);
   keep(wish, plan(wish));
 }
 
@@ -235,6 +247,7 @@ bool DoorPlannerNode::planPath(PlanPath::Request& request, PlanPath::Response& r
   wish.goal = placeOf(request.goal);
   wish.tolerance_m = request.tolerance;
   wish.lowest_information = request.lowest_information;
+  wish.is_refined = !request.unrefined;
   fill(plan(wish), header(), response);
   return true;
 }
@@ -248,10 +261,12 @@ bool DoorPlannerNode::makePlan(nav_msgs::GetPlan::Request& request,
   Wish wish;
   wish.start = placeOf(request.start.pose.position);
   wish.goal = placeOf(request.goal.pose.position);
+  wish.start_heading = headingOf(request.start.pose.orientation);
+  wish.goal_heading = headingOf(request.goal.pose.orientation);
   wish.tolerance_m = std::isfinite(request.tolerance) ? double{request.tolerance} : -1.0;
   const core::Plan answer = plan(wish);
   if (!answer.ok()) ROS_WARN_STREAM("make_plan: " << answer.sentence);
-  response.plan = pathMessage(answer.path, header());
+  response.plan = pathMessage(answer.path, header(), answer.points);
   return true;
 }
 
@@ -262,6 +277,7 @@ void DoorPlannerNode::executeAction(const PlanPathGoalConstPtr& goal) {
   wish.goal = placeOf(goal->goal);
   wish.tolerance_m = goal->tolerance;
   wish.lowest_information = goal->lowest_information;
+  wish.is_refined = !goal->unrefined;
   const core::Plan answer = plan(wish, [&] {
     PlanPathFeedback feedback;
     feedback.seconds = steadyNow() - begin_s;
@@ -291,7 +307,7 @@ void DoorPlannerNode::work() {
       if (stopping_) return;
       has_news_ = false;
       feed_.tell(planner_);
-      if (vehicle_) place = *vehicle_;
+      if (vehicle_) place = vehicle_->position();
     }
     const double begin_s = steadyNow();
     for (std::size_t left = 1; left > 0;) {

@@ -47,6 +47,8 @@ class DoorPlannerNode {
   struct Wish {
     std::optional<Eigen::Vector2d> start;  ///< nothing: where the vehicle is
     Eigen::Vector2d goal = Eigen::Vector2d::Zero();
+    std::optional<double> start_heading, goal_heading;
+    bool is_refined = true;
     double tolerance_m = -1.0;  ///< negative: as configured
     double lowest_information = 0.0;
   };
@@ -89,7 +91,7 @@ class DoorPlannerNode {
   std::condition_variable changed_;
   core::PlannerFeed feed_;
   LandmarkMirror mirror_;
-  std::optional<Eigen::Vector2d> vehicle_;
+  std::optional<core::Pose2> vehicle_;
   std::map<double, std::shared_ptr<const InformedPlaces>> level_sets_;  ///< by value
   std::optional<LivePlan> live_;
   std::map<std::string, std::size_t> answers_;  ///< by status

@@ -1,13 +1,10 @@
 #include "pipeline/door_stage.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "common/cpu_timer.h"
 #include "common/error.h"
-#include "common/random.h"
 #include "common/unfinished_file.h"
 #include "pipeline/csv_line.h"
+#include "pipeline/plan_check.h"
 
 namespace hymm::core {
 namespace {
@@ -99,50 +96,15 @@ const DoorStage::Outcome& DoorStage::outcome() const {
     PlanRequest request;
     request.start = T_map_base_->position();
     request.goal = *goal;
+    request.start_heading = T_map_base_->yaw_rad;
+    request.is_refined = config_.refinement.enabled;
     request.tolerance_m = config_.tolerance_m;
     outcome_->plan = planner.plan(request);
   }
-  if (config_.check_queries > 0) outcome_->queries = checkQueries(planner);
-  return *outcome_;
-}
-
-/// Plans between random places in the map, and asks the dense map itself along the paths.
-std::string DoorStage::checkQueries(const DoorPlanner& planner) const {
-  constexpr double kEvery_m = 0.01;
-  const std::shared_ptr<const DoorGraph> graph = planner.graph();
-  RandomGenerator generator(1);
-  const auto placeInside = [&] {
-    const auto number = static_cast<std::size_t>(
-        sampleUniform(generator, 0.0, static_cast<double>(graph->ltrs().size())));
-    Triangle::Local local(sampleUniform(generator, 0.0, 1.0), sampleUniform(generator, 0.0, 1.0));
-    if (local.sum() > 1.0) local = Triangle::Local::Ones() - local;
-    return graph->ltrs()[number].triangle.toGlobal(local);
-  };
-  const auto isOccupied = [&](const Eigen::Vector2d& place) {
-    const LayerQuery query = mapper_->map().query("occupancy", place);
-    return query.value && query.value->value >= config_.cost.occupied_probability;
-  };
-  std::string text = "start_x,start_y,goal_x,goal_y,status,cost,length_m,milliseconds,occupied_m\n";
-  for (int i = 0; i < config_.check_queries && !graph->ltrs().empty(); ++i) {
-    PlanRequest request;
-    request.start = placeInside();
-    request.goal = placeInside();
-    const double before_s = threadCpuTime_s();
-    const Plan plan = planner.plan(request);
-    const double milliseconds = 1e3 * (threadCpuTime_s() - before_s);
-    double occupied_m = 0.0;
-    for (std::size_t k = 1; k < plan.path.size(); ++k) {
-      const Eigen::Vector2d along = plan.path[k] - plan.path[k - 1];
-      const int parts = std::max(1, static_cast<int>(std::ceil(along.norm() / kEvery_m)));
-      for (int part = 0; part < parts; ++part) {
-        if (isOccupied(plan.path[k - 1] + along * (part + 0.5) / parts)) occupied_m += kEvery_m;
-      }
-    }
-    text += csvLine(',', request.start.x(), request.start.y(), request.goal.x(), request.goal.y(),
-                    nameOf(plan.status), plan.cost, plan.length_m, milliseconds, occupied_m) +
-            "\n";
+  if (config_.check_queries > 0) {
+    outcome_->queries = checkQueries(planner, mapper_->map(), config_.check_queries);
   }
-  return text;
+  return *outcome_;
 }
 
 void DoorStage::addTo(RunTotals& totals) const { totals.subsystem_cpu_s[kName] = cpu_s_; }

@@ -45,7 +45,6 @@ class DoorStage : public SuiteStage {
   };
   bool hasWork() const;
   const Outcome& outcome() const;
-  std::string checkQueries(const DoorPlanner& planner) const;
 
   DoorPlannerConfig config_;
   const GridMapper* mapper_ = nullptr;

@@ -77,8 +77,8 @@ void addCosts(const core::DoorGraph& graph, int number, visualization_msgs::Mark
 
 }  // namespace
 
-nav_msgs::Path pathMessage(const std::vector<Eigen::Vector2d>& path,
-                           const std_msgs::Header& header) {
+nav_msgs::Path pathMessage(const std::vector<Eigen::Vector2d>& path, const std_msgs::Header& header,
+                           const std::vector<core::PlanPoint>& points) {
   nav_msgs::Path message;
   message.header = header;
   double yaw = 0.0;
@@ -86,6 +86,7 @@ nav_msgs::Path pathMessage(const std::vector<Eigen::Vector2d>& path,
     if (i + 1 < path.size()) {
       const Eigen::Vector2d along = path[i + 1] - path[i];
       yaw = std::atan2(along.y(), along.x());
+      if (i + 1 < points.size() && points[i + 1].is_backwards) yaw += M_PI;
     }
     geometry_msgs::PoseStamped pose;
     pose.header = header;

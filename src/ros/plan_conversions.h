@@ -13,9 +13,10 @@
 
 namespace hymm {
 
-/// Poses along the points, each heading for the next one.
-nav_msgs::Path pathMessage(const std::vector<Eigen::Vector2d>& path,
-                           const std_msgs::Header& header);
+/// Poses along the points, each heading for the next one, or, where `points` say that this is
+/// driven to backwards, away from it.
+nav_msgs::Path pathMessage(const std::vector<Eigen::Vector2d>& path, const std_msgs::Header& header,
+                           const std::vector<core::PlanPoint>& points);
 
 /// Doors as lines, portals as points, and lines between the doors of an LTR by what a metre costs
 /// there, from green to red: the namespaces `doors`, `portals` and `costs`.

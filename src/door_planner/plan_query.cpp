@@ -1,0 +1,230 @@
+#include "door_planner/plan_query.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "door_planner/path_refinement.h"
+
+namespace hymm::core {
+namespace {
+
+/// Directions and steps in which a place that is free is looked for around one that is not.
+constexpr int kSpokes = 16;
+constexpr double kSpokeStep_m = 0.1;
+
+std::string placeText(const Eigen::Vector2d& place) {
+  std::ostringstream text;
+  text.precision(1);
+  text << std::fixed << "(" << place.x() << ", " << place.y() << ")";
+  return text.str();
+}
+
+bool isFinite(const std::optional<double>& number) { return !number || std::isfinite(*number); }
+
+}  // namespace
+
+Plan refusedPlan(PlanStatus status, const std::string& sentence) {
+  Plan plan;
+  plan.status = status;
+  plan.sentence = sentence;
+  return plan;
+}
+
+Plan PlanQuery::run(DoorSearch& search) {
+  if (std::optional<Plan> refused = check()) return *refused;
+  DoorSearch::Options options;
+  options.admits = request_.is_informed;
+  if (request_.interrupted) options.stop = [this] { return isInterrupted(); };
+  if (isInterrupted()) return stopped();
+  DoorRoute route;
+  const SearchOutcome outcome = search.find(graph_, start_, goal_, options, route);
+  if (outcome == SearchOutcome::kStopped) return stopped();
+  if (outcome == SearchOutcome::kNoWay) return noWay(search);
+  return join(route);
+}
+
+std::optional<Plan> PlanQuery::check() {
+  if (!request_.start.allFinite() || !request_.goal.allFinite() ||
+      !isFinite(request_.start_heading) || !isFinite(request_.goal_heading) ||
+      !(request_.tolerance_m >= 0.0)) {
+    return refusedPlan(PlanStatus::kBadRequest,
+                       "Start and goal must be finite and the tolerance not negative.");
+  }
+  if (graph_.ltrs().empty()) {
+    return refusedPlan(PlanStatus::kNoMap,
+                       "There is no map yet: no local triangular region has been received.");
+  }
+  if (std::optional<Plan> refused = place("start", request_.start, PlanStatus::kStartOutsideMap,
+                                          PlanStatus::kStartOccupied, start_)) {
+    return refused;
+  }
+  return place("goal", request_.goal, PlanStatus::kGoalOutsideMap, PlanStatus::kGoalOccupied,
+               goal_);
+}
+
+bool PlanQuery::isInformed(const Eigen::Vector2d& point) const {
+  return !request_.is_informed || request_.is_informed(point);
+}
+
+bool PlanQuery::isInterrupted() {
+  if (request_.interrupted) interruption_ = request_.interrupted();
+  return interruption_ != PlanStatus::kOk;
+}
+
+GraphPlace PlanQuery::locate(const Eigen::Vector2d& point) const {
+  GraphPlace place;
+  place.ltr = graph_.locate(point);
+  if (place.ltr != kNone) place.local = graph_.ltr(place.ltr).triangle.toLocal(point);
+  return place;
+}
+
+bool PlanQuery::isFree(const GraphPlace& place) const {
+  return place.ltr != kNone && graph_.isPassable(place.ltr, place.local);
+}
+
+/// The nearest free place within the tolerance, found along spokes.
+std::optional<GraphPlace> PlanQuery::nearestFree(const Eigen::Vector2d& point) const {
+  for (double away = 0.0; away <= request_.tolerance_m; away += kSpokeStep_m) {
+    for (int i = 0; i < (away > 0.0 ? kSpokes : 1); ++i) {
+      const double angle = 2.0 * M_PI * i / kSpokes;
+      const Eigen::Vector2d tried =
+          point + away * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+      const GraphPlace place = locate(tried);
+      if (isFree(place) && isInformed(tried)) return place;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Plan> PlanQuery::place(const std::string& what, const Eigen::Vector2d& point,
+                                     PlanStatus outside, PlanStatus occupied,
+                                     GraphPlace& found) const {
+  const std::string where = "The " + what + " " + placeText(point);
+  if (std::optional<GraphPlace> free = nearestFree(point)) {
+    found = *free;
+    return std::nullopt;
+  }
+  const GraphPlace exact = locate(point);
+  if (exact.ltr == kNone) {
+    return refusedPlan(outside, where +
+                                    " lies outside of every local triangular region; drive there "
+                                    "first, or ask for a place inside the map.");
+  }
+  if (!graph_.ltr(exact.ltr).costs) {
+    return refusedPlan(outside,
+                       where + " lies in a region whose cells have not been received yet.");
+  }
+  if (isFree(exact)) {
+    return refusedPlan(
+        PlanStatus::kBelowInformation,
+        where + " lies where the vehicle would know its pose less well than asked for.");
+  }
+  return refusedPlan(occupied,
+                     where +
+                         " is occupied, or too near to something that is for the vehicle's width; "
+                         "a larger tolerance lets it be moved.");
+}
+
+Plan PlanQuery::stopped() const {
+  if (interruption_ == PlanStatus::kCancelled) {
+    return refusedPlan(interruption_, "The request was cancelled.");
+  }
+  return refusedPlan(interruption_, "No path was found within the time that was given.");
+}
+
+/// Tells whether there would be a way if no information were asked for.
+Plan PlanQuery::noWay(DoorSearch& search) const {
+  const std::string between =
+      "from " + placeText(request_.start) + " to " + placeText(request_.goal);
+  if (request_.is_informed) {
+    DoorRoute route;
+    if (search.find(graph_, start_, goal_, {}, route) == SearchOutcome::kFound) {
+      return refusedPlan(PlanStatus::kBelowInformation,
+                         "Every way " + between +
+                             " leads through places where the vehicle would know its pose less "
+                             "well than asked for; ask for less information.");
+    }
+  }
+  return refusedPlan(PlanStatus::kNoPath,
+                     "No way leads " + between +
+                         " through doors that are wide enough: they lie in parts of the map that "
+                         "are not connected for this vehicle.");
+}
+
+Plan PlanQuery::join(const DoorRoute& route) {
+  std::vector<PathPoint> path;
+  Plan plan;
+  plan.status = PlanStatus::kOk;
+  plan.expanded_portals = route.expanded;
+  for (const Waypoint& waypoint : route.waypoints) {
+    const GraphLtr& ltr = graph_.ltr(waypoint.place.ltr);
+    path.push_back({ltr.triangle.toGlobal(waypoint.place.local), waypoint.place.ltr});
+    plan.worst_shape_factor = std::max(plan.worst_shape_factor, ltr.factor);
+  }
+  if (PathShortening(graph_, request_.is_informed).shorten(path) == kNoPassing) {
+    return refusedPlan(
+        request_.is_informed ? PlanStatus::kBelowInformation : PlanStatus::kNoPath,
+        "The way along doors that was found is not free between them; ask again when the map has "
+        "changed.");
+  }
+  std::uint64_t last_door = 0;
+  for (const int portal : route.portals) {
+    const std::uint64_t door = graph_.doorOf(portal);
+    if (door != last_door) plan.doors.push_back(door);
+    last_door = door;
+  }
+  std::string remark;
+  if (request_.is_refined) remark = refine(path, plan);
+  if (interruption_ == PlanStatus::kCancelled) return stopped();
+  describe(path, plan);
+  plan.sentence += remark;
+  return plan;
+}
+
+/// Replaces the path by one for a car, or tells why it is left as it is.
+std::string PlanQuery::refine(std::vector<PathPoint>& path, Plan& plan) {
+  PathRefinement::Request request;
+  request.start_heading = request_.start_heading;
+  request.goal_heading = request_.goal_heading;
+  request.allows = request_.is_informed;
+  if (request_.interrupted) request.stop = [this] { return isInterrupted(); };
+  const PathRefinement::Outcome outcome =
+      PathRefinement(graph_, config_.vehicle, config_.refinement).refine(path, request);
+  if (outcome.poses.empty()) {
+    return " It is not refined for the turning radius: " + outcome.failure + ".";
+  }
+  path.clear();
+  for (const CarPose& pose : outcome.poses) {
+    const Eigen::Vector2d place = pose.T_map_base.position();
+    path.push_back({place, graph_.locate(place)});
+    plan.points.emplace_back();
+    plan.points.back().is_backwards = pose.is_backwards;
+  }
+  plan.is_refined = true;
+  return " It respects the turning radius.";
+}
+
+void PlanQuery::describe(const std::vector<PathPoint>& path, Plan& plan) const {
+  plan.points.resize(path.size());
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const GraphLtr& ltr = graph_.ltr(path[i].ltr);
+    plan.path.push_back(path[i].position);
+    plan.points[i].ltr = ltr.view.id;
+    plan.points[i].landmark_ids = ltr.view.landmark_ids;
+    plan.points[i].weights = Triangle::weights(ltr.triangle.toLocal(path[i].position));
+    if (i == 0) continue;
+    const PathPoint& before = path[i - 1];
+    plan.cost += graph_.integrateFromAny(before.ltr, before.position, path[i].position, false);
+    plan.cost_with_uncertainty +=
+        graph_.integrateFromAny(before.ltr, before.position, path[i].position);
+    plan.length_m += (path[i].position - before.position).norm();
+  }
+  std::ostringstream text;
+  text.precision(1);
+  text << std::fixed << "A path of " << plan.length_m << " m through " << plan.doors.size()
+       << " doors.";
+  plan.sentence = text.str();
+}
+
+}  // namespace hymm::core
