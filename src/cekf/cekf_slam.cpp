@@ -13,7 +13,9 @@
 #include "cekf/landmark_life_cycle.h"
 #include "cekf/landmark_pins.h"
 #include "cekf/landmark_requests.h"
+#include "cekf/local_state_ring.h"
 #include "cekf/map_snapshot.h"
+#include "cekf/path_closing.h"
 #include "cekf/relative_covariance.h"
 #include "cekf/scan_associator.h"
 #include "cekf/scan_update.h"
@@ -40,6 +42,9 @@ DiameterPrior diameterPrior(const TrunkConfig& trunks) {
           (trunks.max_diameter_m - trunks.min_diameter_m) / std::sqrt(12.0)};
 }
 
+// Stamps that have gone through a message or a file may differ by rounding.
+constexpr double kSameStamp_s = 1e-4;
+
 double share(int part, int whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
 }
@@ -63,17 +68,28 @@ class CekfSlam::Impl {
                     config.update.atFirstEstimates()),
         pins_(config.landmarks.pin_delay_s),
         area_(config.active_area),
+        path_closing_(config.resumption),
         estimate_(newEstimate()) {}
+
+  std::optional<ScanOutcome> process(const SensorEvent& event) {
+    ring_.add(event);
+    return apply(event);
+  }
 
   void takeMotion(const MotionInput& input) {
     const CpuTimer timer(cpu_times_.filter_s);
+    if (waiting_) {
+      if (!waiting_->vehicle.takeInput(waiting_->filter, input)) ++counts_.refused_motion;
+      return;
+    }
     if (!estimate_.vehicle.takeInput(estimate_.filter, input)) ++counts_.refused_motion;
   }
 
   ScanOutcome processScan(const ScanEvent& event) {
     const auto start = std::chrono::steady_clock::now();
     if (const auto problem = scanProblem(event.scan)) return refuse(*problem);
-    if (event.scan.time_s <= last_scan_s_) return refuse("the scan is not later than the last one");
+    if (event.scan.time_s <= newestScan_s())
+      return refuse("the scan is not later than the last one");
     ObservationSet set;
     set.time_s = event.scan.time_s;
     set.T_base_sensor = event.T_base_laser;
@@ -87,14 +103,14 @@ class CekfSlam::Impl {
   ScanOutcome processObservations(const ObservationSet& set) {
     const auto start = std::chrono::steady_clock::now();
     if (!std::isfinite(set.time_s)) return refuse("the observations' time is not finite");
-    if (set.time_s <= last_scan_s_) {
+    if (set.time_s <= newestScan_s()) {
       return refuse("the observations are not later than the last ones");
     }
     return processSet(set, nullptr, start);
   }
 
   void processGps(const GpsFix& fix) {
-    if (!estimate_.gps) return;
+    if (!estimate_.gps || waiting_) return;
     const CpuTimer timer(cpu_times_.filter_s);
     const bool usable = std::isfinite(fix.time_s) && fix.position.allFinite() &&
                         isCovariance(fix.covariance) && fix.antenna.allFinite();
@@ -114,6 +130,8 @@ class CekfSlam::Impl {
   }
 
   void reset() {
+    waiting_.reset();
+    ring_.clear();
     estimate_.filter.finishGlobalUpdate();
     ++counts_.resets;
     ++version_;
@@ -128,10 +146,12 @@ class CekfSlam::Impl {
   }
 
   PoseEstimate pose() const {
+    const VehicleState& vehicle = waiting_ ? waiting_->vehicle : estimate_.vehicle;
+    const CompressedEkf& filter = waiting_ ? waiting_->filter : estimate_.filter;
     PoseEstimate pose;
-    pose.time_s = estimate_.vehicle.time_s();
-    pose.T_map_base = VehicleState::pose(estimate_.filter);
-    pose.covariance = estimate_.filter.vehicleCovariance().topLeftCorner<3, 3>();
+    pose.time_s = vehicle.time_s();
+    pose.T_map_base = VehicleState::pose(filter);
+    pose.covariance = filter.vehicleCovariance().topLeftCorner<3, 3>();
     pose.relative_covariance = pose.covariance;  // what is common to all is not told apart
     pose.map_version = version_;
     return pose;
@@ -209,6 +229,49 @@ class CekfSlam::Impl {
 
   void pinLandmarks(double time_s, const std::vector<int>& ids) { pins_.tell(time_s, ids); }
 
+  void keepLocalStates(int scans) {
+    if (waiting_) return;
+    ring_.setScans(scans);
+    estimate_.filter.holdGlobalUpdates(ring_.isKept());
+    if (!ring_.isKept()) estimate_.filter.releaseGlobalUpdate();
+  }
+
+  std::optional<LocalStateSpan> localStates() const { return ring_.span(); }
+
+  bool suspend(double time_T0_s) {
+    const auto way = findWay(time_T0_s);
+    if (!way) return false;
+    const CpuTimer timer(cpu_times_.filter_s);
+    goAlong(*way);
+    ++version_;
+    ring_.goBackTo(*way, remembered());
+    waiting_.emplace(
+        Waiting{estimate_.vehicle,
+                CompressedEkf(estimate_.filter.vehicle(), estimate_.filter.vehicleCovariance()),
+                last_scan_s_});
+    replay(way->since);
+    return true;
+  }
+
+  bool isSuspended() const { return waiting_.has_value(); }
+
+  Resumption resume(double time_T0_s, const std::vector<PlaceAtScan>& path) {
+    const std::string problem = pathProblem(time_T0_s, path);
+    if (!problem.empty()) return refuse(Resumption::Refusal::kUnusablePath, problem);
+    return goBackAndOn(
+        time_T0_s, [&](const LocalStateRing::Events& events) { return replayAlong(path, events); });
+  }
+
+  Resumption resumeWithoutClosing(double time_T0_s) {
+    return goBackAndOn(time_T0_s, [&](const LocalStateRing::Events& events) {
+      Resumption result;
+      for (const auto& event : events) moveAlong(*event, result);
+      result.reason = "On by dead reckoning from " + std::to_string(time_T0_s) + " s over " +
+                      std::to_string(result.scans) + " scans; no loop was closed.";
+      return result;
+    });
+  }
+
   bool isGlobalUpdatePending() { return estimate_.filter.isGlobalUpdatePending(); }
 
   Counts counts() const {
@@ -247,8 +310,43 @@ class CekfSlam::Impl {
     CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance(), global_updates_);
     Estimate estimate{vehicle, std::move(filter), std::nullopt};
     if (config_.gps.enabled) estimate.gps.emplace(config_.gps, vehicle.gpsDatumIndex());
+    estimate.filter.holdGlobalUpdates(ring_.isKept());
     return estimate;
   }
+
+  /// The vehicle alone, while the filter waits at an earlier scan.
+  struct Waiting {
+    VehicleState vehicle;
+    CompressedEkf filter;
+    double last_scan_s;
+  };
+
+  std::optional<ScanOutcome> apply(const SensorEvent& event) {
+    struct Visitor {
+      Impl& impl;
+      std::optional<ScanOutcome> operator()(const MotionInput& input) const {
+        impl.takeMotion(input);
+        return std::nullopt;
+      }
+      std::optional<ScanOutcome> operator()(const ScanEvent& scan) const {
+        return impl.processScan(scan);
+      }
+      std::optional<ScanOutcome> operator()(const ObservationSet& set) const {
+        return impl.processObservations(set);
+      }
+      std::optional<ScanOutcome> operator()(const GpsFix& fix) const {
+        impl.processGps(fix);
+        return std::nullopt;
+      }
+      std::optional<ScanOutcome> operator()(const ClockReset&) const {
+        impl.reset();
+        return std::nullopt;
+      }
+    };
+    return std::visit(Visitor{*this}, event);
+  }
+
+  double newestScan_s() const { return waiting_ ? waiting_->last_scan_s : last_scan_s_; }
 
   ScanOutcome refuse(const std::string& reason) {
     ++counts_.refused_scans;
@@ -260,18 +358,30 @@ class CekfSlam::Impl {
   ScanOutcome processSet(ObservationSet set, const LaserScan* scan,
                          std::chrono::steady_clock::time_point start) {
     const CpuTimer timer(cpu_times_.filter_s);
+    if (waiting_) return wait(std::move(set), start);
     ScanOutcome outcome;
-    outcome.accepted = true;
+    begin(set);
+    ScanAssociation association =
+        associator_.associate(set, sensorPlacement(set), life_cycle_.registry(), estimate_.filter);
+    const bool updated = update(set, association, outcome);
+    finish(std::move(set), scan, association, updated, start, outcome);
+    return outcome;
+  }
+
+  /// Takes the vehicle to where it should be at the time of the set.
+  void begin(ObservationSet& set) {
     refuseUnusable(set);
     last_scan_s_ = set.time_s;
     ++version_;
     life_cycle_.pin(pins_.at(set.time_s));
     if (!estimate_.vehicle.hasInput()) ++counts_.scans_without_motion;
     estimate_.vehicle.moveTo(estimate_.filter, set.time_s);
+  }
 
-    ScanAssociation association =
-        associator_.associate(set, sensorPlacement(set), life_cycle_.registry(), estimate_.filter);
-    const bool updated = update(set, association, outcome);
+  /// What follows from a set once the filter has learnt from it.
+  void finish(ObservationSet set, const LaserScan* scan, const ScanAssociation& association,
+              bool updated, std::chrono::steady_clock::time_point start, ScanOutcome& outcome) {
+    outcome.accepted = true;
     const SensorPlacement sensor = sensorPlacement(set);
     life_cycle_.confirm(set, association, estimate_.filter);
     const std::vector<int> created = life_cycle_.create(
@@ -298,7 +408,234 @@ class CekfSlam::Impl {
     outcome.pose.range_offset_m = placement.range_offset_m;
     describeHealth(set.time_s, start, outcome);
     outcome.observations = std::move(set);
+    keepLocalState();
+  }
+
+  /// A scan while the filter waits: the vehicle goes on by its motion.
+  ScanOutcome wait(ObservationSet set, std::chrono::steady_clock::time_point start) {
+    ScanOutcome outcome;
+    outcome.accepted = outcome.suspended = true;
+    refuseUnusable(set);
+    waiting_->last_scan_s = set.time_s;
+    waiting_->vehicle.moveTo(waiting_->filter, set.time_s);
+    if (!replaying_) {
+      counts_.forgotten_states += ring_.dropScansBefore(set.time_s - kLongestSuspension_s);
+    }
+    ++counts_.scans;
+    counts_.observations += set.observations.size();
+    outcome.associations.resize(set.observations.size());
+    outcome.pose = pose();
+    const SensorPlacement sensor =
+        waiting_->vehicle.placement(set.T_base_sensor, waiting_->filter.vehicle());
+    outcome.pose.T_base_sensor = sensor.T_base_sensor;
+    outcome.pose.range_offset_m = sensor.range_offset_m;
+    describeHealth(set.time_s, start, outcome);
+    outcome.observations = std::move(set);
     return outcome;
+  }
+
+  // --- The way back --------------------------------------------------------------------------
+
+  LocalStateRing::Memory remembered() const {
+    return std::make_shared<const FilterMemory>(
+        FilterMemory{last_scan_s_, estimate_.vehicle, estimate_.filter.localState(), estimate_.gps,
+                     life_cycle_, scan_update_, area_, settled_updates_});
+  }
+
+  /// All but the landmarks' register.
+  void recall(const FilterMemory& memory) {
+    estimate_.filter.goBackTo(memory.filter);
+    estimate_.vehicle = memory.vehicle;
+    estimate_.gps = memory.gps;
+    scan_update_ = memory.scan_update;
+    area_ = memory.area;
+    settled_updates_ = memory.settled_updates;
+    last_scan_s_ = memory.last_scan_s;
+  }
+
+  /// After a scan: what can be gone back to, and what need not be held back any more.
+  void keepLocalState() {
+    if (!ring_.isKept() || replaying_) return;
+    CompressedEkf& filter = estimate_.filter;
+    counts_.forgotten_states += ring_.giveUp(
+        [&filter](const FilterMemory& memory) { return filter.canGoBackTo(memory.filter); });
+    if (ring_.noteScan(last_scan_s_)) ring_.remember(remembered());
+    if (ring_.oldest()->filter.held) filter.releaseGlobalUpdate();
+  }
+
+  std::optional<LocalStateRing::Way> findWay(double time_s) const {
+    auto way = ring_.findWay(time_s);
+    const bool is_open = way && estimate_.filter.canGoBackTo(way->memory->filter);
+    return is_open ? std::move(way) : std::nullopt;
+  }
+
+  /// Goes back to a memory, and from there to a scan: the same way, to the bit.
+  void goAlong(const LocalStateRing::Way& way) {
+    const int next_id = life_cycle_.nextId();
+    waiting_.reset();
+    recall(*way.memory);
+    life_cycle_.goBackTo(way.memory->life_cycle);
+    replay(way.to_scan);
+    life_cycle_.skipIds(next_id);  // those that were given out since mean other landmarks
+  }
+
+  /// Each event counts once, when it comes.
+  void replay(const LocalStateRing::Events& events) {
+    const Counts counts = counts_;
+    const bool was_replaying = std::exchange(replaying_, true);
+    for (const auto& event : events) apply(*event);
+    replaying_ = was_replaying;
+    counts_ = counts;
+  }
+
+  /// Goes back to the scan at T0 and on from there by `go`. If that refuses, nothing has happened.
+  template <typename Go>
+  Resumption goBackAndOn(double time_T0_s, Go go) {
+    const auto way = findWay(time_T0_s);
+    if (!way) return refuse(Resumption::Refusal::kNotKept, notKept(time_T0_s));
+    const CpuTimer timer(cpu_times_.filter_s);
+    const LocalStateRing::Memory now = remembered();
+    const std::uint64_t version = version_;
+    const Counts counts = counts_;
+    std::optional<Waiting> waiting = std::move(waiting_);
+    goAlong(*way);
+    replaying_ = true;
+    Resumption result = go(way->since);
+    replaying_ = false;
+    counts_ = counts;
+    if (!result.accepted()) {
+      recall(*now);
+      life_cycle_ = now->life_cycle;
+      version_ = version;
+      waiting_ = std::move(waiting);
+      return refuse(result.refusal, result.reason);
+    }
+    ++counts_.resumed;
+    ++version_;
+    ring_.clear();
+    if (ring_.isKept()) ring_.remember(remembered());
+    return result;
+  }
+
+  Resumption refuse(Resumption::Refusal refusal, const std::string& reason) {
+    ++counts_.refused_resumptions;
+    Resumption result;
+    result.refusal = refusal;
+    result.reason = reason;
+    return result;
+  }
+
+  std::string notKept(double time_T0_s) const {
+    const auto span = ring_.span();
+    const std::string asked = "There is no way back to a scan at " + std::to_string(time_T0_s);
+    if (!span) return asked + " s: no local states are kept.";
+    return asked + " s: those from " + std::to_string(span->oldest_s) + " to " +
+           std::to_string(span->newest_s) + " s are kept.";
+  }
+
+  static std::string pathProblem(double time_T0_s, const std::vector<PlaceAtScan>& path) {
+    if (path.empty()) return "The path has no pose.";
+    double last_s = time_T0_s;
+    for (const PlaceAtScan& place : path) {
+      if (!std::isfinite(place.time_s) || !place.T_map_base.vector().allFinite()) {
+        return "A pose of the path is not finite.";
+      }
+      if (place.time_s <= last_s) {
+        return "The path has to begin after the scan that it leads back to, and go on in the order "
+               "of time.";
+      }
+      last_s = place.time_s;
+    }
+    return {};
+  }
+
+  /// The set of a scan or observation event that can still be processed.
+  std::optional<ObservationSet> usableSet(const SensorEvent& event) const {
+    std::optional<ObservationSet> set;
+    if (const auto* observations = std::get_if<ObservationSet>(&event)) set = *observations;
+    if (const auto* scan = std::get_if<ScanEvent>(&event)) {
+      if (scanProblem(scan->scan)) return std::nullopt;
+      set = ObservationSet{};
+      set->time_s = scan->scan.time_s;
+      set->T_base_sensor = scan->T_base_laser;
+      set->observations = perception_.detect(scan->scan);
+    }
+    if (set && !(set->time_s > last_scan_s_)) return std::nullopt;
+    return set;
+  }
+
+  /// An event that moves the vehicle only.
+  void moveAlong(const SensorEvent& event, Resumption& result) {
+    if (const auto* input = std::get_if<MotionInput>(&event)) takeMotion(*input);
+    std::optional<ObservationSet> set = usableSet(event);
+    if (!set) return;
+    begin(*set);
+    ++result.scans;
+  }
+
+  /// Closes the loop at the first scan that lets it, and processes as ever what follows.
+  Resumption replayAlong(const std::vector<PlaceAtScan>& path,
+                         const LocalStateRing::Events& events) {
+    Resumption result;
+    result.refusal = Resumption::Refusal::kNothingPlain;
+    result.reason = "No scan of the path shows " + std::to_string(config_.resumption.least_pairs) +
+                    " landmarks beyond doubt; nothing was closed.";
+    auto place = path.begin();
+    for (const auto& kept : events) {
+      const SensorEvent& event = *kept;
+      if (result.accepted()) {
+        if (apply(event)) ++result.scans;
+        continue;
+      }
+      const double time_s = timeOf(event);
+      while (place != path.end() && place->time_s < time_s - kSameStamp_s) ++place;
+      const bool on_path = place != path.end() && place->time_s <= time_s + kSameStamp_s;
+      if (!on_path || !usableSet(event)) {
+        moveAlong(event, result);
+        continue;
+      }
+      closeAt(place->T_map_base, event, result);
+      if (result.refusal == Resumption::Refusal::kContradiction) break;
+    }
+    return result;
+  }
+
+  void closeAt(const Pose2& T_map_base, const SensorEvent& event, Resumption& result) {
+    const auto start = std::chrono::steady_clock::now();
+    ObservationSet set = *usableSet(event);
+    begin(set);
+    ++result.scans;
+    const Eigen::Vector2d before = VehicleState::pose(estimate_.filter).position();
+    const auto closing = path_closing_.tryClose(set, T_map_base, estimate_.vehicle,
+                                                life_cycle_.registry(), estimate_.filter);
+    if (!closing) return;
+    result.closed_s = set.time_s;
+    result.closing_pairs = closing->pairs();
+    result.chi_square = closing->chi_square;
+    result.inflation = closing->inflation;
+    if (!closing->accepted()) {
+      result.refusal = Resumption::Refusal::kContradiction;
+      result.reason = std::to_string(closing->pairs()) +
+                      " landmarks seen from the path contradict "
+                      "the covariances: chi-square " +
+                      std::to_string(closing->chi_square) + " of at most " +
+                      std::to_string(closing->limit) + ", with the pose's taken " +
+                      std::to_string(closing->inflation) + " times.";
+      return;
+    }
+    estimate_.filter.setVehicleState(2, wrapAngle(estimate_.filter.vehicle()[2]));
+    ScanOutcome outcome;
+    outcome.health.nis = closing->update.nis;
+    outcome.health.dof = 2 * closing->pairs();
+    outcome.largest_correction_m = closing->update.largest_landmark_move_m;
+    result.correction_m = (VehicleState::pose(estimate_.filter).position() - before).norm();
+    result.refusal = Resumption::Refusal::kNotRefused;
+    result.reason = "The loop was closed by " + std::to_string(closing->pairs()) +
+                    " landmarks, which moved the vehicle by " +
+                    std::to_string(result.correction_m) + " m.";
+    const auto* scan = std::get_if<ScanEvent>(&event);
+    finish(std::move(set), scan ? &scan->scan : nullptr, closing->association, true, start,
+           outcome);
   }
 
   void refuseUnusable(ObservationSet& set) {
@@ -416,7 +753,11 @@ class CekfSlam::Impl {
   LandmarkLifeCycle life_cycle_;
   LandmarkPins pins_;
   ActiveArea area_;
+  PathClosing path_closing_;
+  LocalStateRing ring_;
   Estimate estimate_;
+  std::optional<Waiting> waiting_;  ///< while suspended
+  bool replaying_ = false;
   std::size_t settled_updates_ = 0;  ///< global updates whose places life_cycle_ knows
   std::uint64_t version_ = 0;
   std::uint64_t told_version_ = 0;  ///< up to which takeUpdate() has told
@@ -436,28 +777,7 @@ CekfSlam::CekfSlam(CekfSlam&&) noexcept = default;
 CekfSlam& CekfSlam::operator=(CekfSlam&&) noexcept = default;
 
 std::optional<ScanOutcome> CekfSlam::process(const SensorEvent& event) {
-  struct Visitor {
-    Impl& impl;
-    std::optional<ScanOutcome> operator()(const MotionInput& input) const {
-      impl.takeMotion(input);
-      return std::nullopt;
-    }
-    std::optional<ScanOutcome> operator()(const ScanEvent& scan) const {
-      return impl.processScan(scan);
-    }
-    std::optional<ScanOutcome> operator()(const ObservationSet& set) const {
-      return impl.processObservations(set);
-    }
-    std::optional<ScanOutcome> operator()(const GpsFix& fix) const {
-      impl.processGps(fix);
-      return std::nullopt;
-    }
-    std::optional<ScanOutcome> operator()(const ClockReset&) const {
-      impl.reset();
-      return std::nullopt;
-    }
-  };
-  return std::visit(Visitor{*impl_}, event);
+  return impl_->process(event);
 }
 
 void CekfSlam::reset() { impl_->reset(); }
@@ -480,18 +800,15 @@ bool CekfSlam::requestVehicleAmongLandmarks(const std::vector<int>& ids,
                                             std::function<void(VehicleAmongLandmarks)> take) {
   return impl_->requestVehicleAmongLandmarks(ids, std::move(take));
 }
-void CekfSlam::keepLocalStates(int) {}
-std::optional<LocalStateSpan> CekfSlam::localStates() const { return std::nullopt; }
-bool CekfSlam::suspend(double) { return false; }
-bool CekfSlam::isSuspended() const { return false; }
-Resumption CekfSlam::resume(double, const std::vector<PlaceAtScan>&) {
-  return resumeWithoutClosing(0.0);
+void CekfSlam::keepLocalStates(int scans) { impl_->keepLocalStates(scans); }
+std::optional<LocalStateSpan> CekfSlam::localStates() const { return impl_->localStates(); }
+bool CekfSlam::suspend(double time_T0_s) { return impl_->suspend(time_T0_s); }
+bool CekfSlam::isSuspended() const { return impl_->isSuspended(); }
+Resumption CekfSlam::resume(double time_T0_s, const std::vector<PlaceAtScan>& path) {
+  return impl_->resume(time_T0_s, path);
 }
-Resumption CekfSlam::resumeWithoutClosing(double) {
-  Resumption refused;
-  refused.refusal = Resumption::Refusal::kNotKept;
-  refused.reason = "No local states are kept.";
-  return refused;
+Resumption CekfSlam::resumeWithoutClosing(double time_T0_s) {
+  return impl_->resumeWithoutClosing(time_T0_s);
 }
 LandmarkUpdate CekfSlam::takeUpdate() { return impl_->takeUpdate(); }
 void CekfSlam::pinLandmarks(double time_s, const std::vector<int>& ids) {

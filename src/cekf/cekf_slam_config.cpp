@@ -112,6 +112,19 @@ void LandmarkConfig::describe(ConfigSchema& schema) {
                 "chi-square gate of their difference");
 }
 
+void ResumptionConfig::describe(ConfigSchema& schema) {
+  schema.number(
+      "plain_distance_m", plain_distance_m, Range::positive(),
+      "an observation seen from the path is of the one landmark that is nearer than this, "
+      "if no other is nearly as near");
+  schema.integer("least_pairs", least_pairs, Range::between(2, 100),
+                 "observations told that way that it takes to close the loop");
+  schema.number("joint_probability", joint_probability, kGateProbability,
+                "chi-square gate of all of them together");
+  schema.number("most_inflation", most_inflation, Range::between(1.0, 100.0),
+                "times that the covariance of the vehicle's pose may be taken until they pass");
+}
+
 void GpsConfig::describe(ConfigSchema& schema) {
   schema.flag("enabled", enabled, "fuse gps/fix");
   schema.number("gate_probability", gate_probability, kGateProbability, "chi-square gate of a fix");
@@ -142,6 +155,7 @@ void CekfSlamConfig::describe(ConfigSchema& schema) {
   schema.group("update", update);
   schema.group("association", association);
   schema.group("landmarks", landmarks);
+  schema.group("resumption", resumption);
   schema.group("gps", gps);
 }
 

@@ -79,6 +79,16 @@ struct GpsConfig {
   void describe(ConfigSchema& schema);
 };
 
+/// How a loop is closed along the path that a search has found.
+struct ResumptionConfig {
+  double plain_distance_m = 1.0;     ///< between an observation, seen from the path, and a landmark
+  int least_pairs = 3;               ///< of a scan that closes the loop
+  double joint_probability = 0.999;  ///< chi-square gate of all of them together
+  double most_inflation = 9.0;       ///< of the covariance of the vehicle's pose
+
+  void describe(ConfigSchema& schema);
+};
+
 /// Parameters of the node `cekf_slam`, as config/cekf_slam.yaml documents them.
 struct CekfSlamConfig {
   std::string motion_input = "dead_reckoning";
@@ -92,6 +102,7 @@ struct CekfSlamConfig {
   UpdateConfig update;
   AssociationConfig association;
   LandmarkConfig landmarks;
+  ResumptionConfig resumption;
   GpsConfig gps;
 
   void describe(ConfigSchema& schema);

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <unordered_set>
 
 #include <Eigen/Cholesky>
 
@@ -22,6 +23,16 @@ using Eigen::VectorXd;
 using TwoColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
 
 int strideOf(const MatrixXd& matrix) { return static_cast<int>(matrix.outerStride()); }
+
+/// What has to be read of an interval before, to read `indices` after `effect`: its origins, and
+/// those that it left passive.
+std::vector<int> neededBefore(const IntervalEffect& effect, const std::vector<int>& indices) {
+  std::vector<int> needed = effect.origins;
+  const std::unordered_set<int> active(effect.active.begin(), effect.active.end());
+  std::copy_if(indices.begin(), indices.end(), std::back_inserter(needed),
+               [&](int index) { return active.count(index) == 0; });
+  return needed;
+}
 
 /// The symmetric matrix whose lower triangle is the leading n x n block of `storage`.
 auto symmetric(const MatrixXd& storage, int n) {
@@ -442,7 +453,8 @@ bool CompressedEkf::globalUpdate() {
   free_slots_.insert(free_slots_.end(), retired_slots_.begin(), retired_slots_.end());
   retired_slots_.clear();
   startInterval();
-  store_->startUpdate(std::move(effect));
+  store_->startUpdate(std::move(effect), hold_updates_ ? PassiveStore::Commitment::kHeld
+                                                       : PassiveStore::Commitment::kAtOnce);
   return true;
 }
 
@@ -465,10 +477,13 @@ void CompressedEkf::readLater(const std::vector<int>& slots,
                               std::function<void(const EffectReader&)> job) {
   std::vector<int> indices;
   for (const int slot : slots) indices.push_back(storeIndex(slot));
-  store_->runJob([effect = effectSoFar(), indices = std::move(indices), job = std::move(job)](
-                     const TiledSymmetricMatrix& covariance, const VectorXd& states) {
-    job(EffectReader(covariance, states, effect, indices));
-  });
+  store_->runJob(
+      [effect = effectSoFar(), held = store_->heldEffect(), indices = std::move(indices),
+       job = std::move(job)](const TiledSymmetricMatrix& covariance, const VectorXd& states) {
+        if (!held) return job(EffectReader(covariance, states, effect, indices));
+        const EffectReader before(covariance, states, *held, neededBefore(effect, indices));
+        job(EffectReader(before, effect, indices));
+      });
 }
 
 int CompressedEkf::storeIndexOfRow(int row) const {

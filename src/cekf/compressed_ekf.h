@@ -10,6 +10,7 @@
 
 #include "cekf/effect_reader.h"
 #include "cekf/interval_effect.h"
+#include "cekf/local_state.h"
 #include "cekf/passive_store.h"
 #include "common/serial_worker.h"
 
@@ -146,8 +147,21 @@ class CompressedEkf {
   /// nothing happens, while the last one is still pending.
   bool globalUpdate();
   bool isGlobalUpdatePending() { return store_->isUpdating(); }
-  /// Waits for the worker. Throws std::bad_alloc if there was too little memory.
+  /// Waits for the worker. A held update is released. Throws std::bad_alloc if there was too little
+  /// memory.
   void finishGlobalUpdate() { store_->finish(); }
+
+  // --- Going back --------------------------------------------------------------------------------
+  /// All but what global updates have carried out, as of now.
+  LocalState localState() const;
+  /// Makes everything as it was then. False, and nothing happens, if a global update that was
+  /// started since has been released. Global updates that are held can be undone, so:
+  bool goBackTo(const LocalState& state);
+  bool canGoBackTo(const LocalState& state) const;
+  /// From now on global updates are held when they start: in force, and pending until released.
+  void holdGlobalUpdates(bool hold) { hold_updates_ = hold; }
+  bool isGlobalUpdateHeld() const { return store_->heldEffect() != nullptr; }
+  void releaseGlobalUpdate() { store_->releaseUpdate(); }
 
   /// Number of global updates done, and where the last one put a passive landmark, with the trace
   /// of its covariance. Unlike landmark(), without what was accumulated since.
@@ -235,6 +249,7 @@ class CompressedEkf {
   mutable Eigen::MatrixXd pending_J_;
   mutable bool motion_pending_ = false;
 
+  bool hold_updates_ = false;
   std::unique_ptr<PassiveStore> store_;  ///< index: vehicle first, then landmarks
 
   std::vector<int> rows_;       ///< by slot: row in the active part, kPassive or kFree

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <unordered_map>
 #include <vector>
 
@@ -14,9 +15,13 @@ namespace hymm::core {
 /// holds them as of the interval's start. Refers to all it is given.
 class EffectReader {
  public:
-  /// For the pairs at `indices`.
+  /// For the pairs at `indices`; a vehicle's state counts as the pair that it is in.
   EffectReader(const TiledSymmetricMatrix& covariance, const Eigen::VectorXd& states,
                const IntervalEffect& effect, const std::vector<int>& indices);
+  /// After two intervals: `before` reads what the first leaves, of the pairs at `indices` and of
+  /// all origins of the second, `effect`.
+  EffectReader(const EffectReader& before, const IntervalEffect& effect,
+               const std::vector<int>& indices);
 
   Eigen::Vector2d state(int index) const;
   Eigen::Matrix2d covariance(int index_a, int index_b) const;
@@ -27,14 +32,19 @@ class EffectReader {
     int column = -1;  ///< of W_ and T_, if passive
   };
 
-  void gather(const std::vector<int>& passive);
+  void sort(const std::vector<int>& indices);
+  void gather();
+  /// Covariance of single states.
+  double entry(int a, int b) const;
+  Pair placeOf(int state) const;
 
-  const TiledSymmetricMatrix& covariance_;
-  const Eigen::VectorXd& states_;
+  std::function<double(int, int)> covariance_;  ///< of single states, at the interval's start
+  std::function<Eigen::Vector2d(int)> state_;   ///< of a pair, likewise
   const IntervalEffect& effect_;
   std::unordered_map<int, Pair> pairs_;
-  Eigen::MatrixXd W_;  ///< origins x passive states asked for
-  Eigen::MatrixXd T_;  ///< F' * W
+  std::vector<int> passive_;  ///< pairs, in the order of their columns
+  Eigen::MatrixXd W_;         ///< origins x passive states asked for
+  Eigen::MatrixXd T_;         ///< F' * W
 };
 
 }  // namespace hymm::core

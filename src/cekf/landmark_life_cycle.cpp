@@ -407,4 +407,24 @@ void LandmarkLifeCycle::clear() {
   next_id_ = 0;
 }
 
+void LandmarkLifeCycle::goBackTo(const LandmarkLifeCycle& before) {
+  std::vector<int> removed = std::move(removed_ids_);
+  for (const RegisteredLandmark& landmark : registry_.slots()) {
+    if (landmark.id >= 0) removed.push_back(landmark.id);
+  }
+  const std::size_t taken = merges_taken_;
+  const std::unordered_set<int> pins = std::move(told_pins_);
+  *this = before;
+  const auto is_there = [this](int id) { return registry_.contains(id); };
+  removed.erase(std::remove_if(removed.begin(), removed.end(), is_there), removed.end());
+  removed_ids_ = std::move(removed);
+  changed_ids_.clear();
+  for (const RegisteredLandmark& landmark : registry_.slots()) {
+    if (landmark.id >= 0) changed_ids_.insert(landmark.id);
+  }
+  merges_taken_ = std::min(taken, merges_.size());
+  told_pins_ = pins;
+  followMerges();
+}
+
 }  // namespace hymm::core

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <set>
 #include <unordered_map>
@@ -68,6 +69,13 @@ class LandmarkLifeCycle {
   void refreshNear(const Eigen::Vector2d& centre, double radius_m, const CompressedEkf& filter);
 
   void clear();
+
+  /// Makes everything as it was. takeChanges() tells what is then different: landmarks made since
+  /// as removed, and all others as changed.
+  void goBackTo(const LandmarkLifeCycle& before);
+  /// No landmark gets an id below `next_id` from now on.
+  void skipIds(int next_id) { next_id_ = std::max(next_id_, next_id); }
+  int nextId() const { return next_id_; }
 
   LandmarkRegistry& registry() { return registry_; }
   const LandmarkRegistry& registry() const { return registry_; }

@@ -60,7 +60,8 @@ bool PassiveStore::Update::isTileNew(int a, int b) const {
   return row < tile_rows_done || (row == tile_rows_done && column < tiles_done_in_row);
 }
 
-void PassiveStore::startUpdate(IntervalEffect effect) {
+void PassiveStore::startUpdate(IntervalEffect effect, Commitment commitment) {
+  if (commitment == Commitment::kHeld) held_ = std::make_shared<const IntervalEffect>(effect);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     update_.emplace();
@@ -69,8 +70,26 @@ void PassiveStore::startUpdate(IntervalEffect effect) {
     }
     update_->effect = std::move(effect);
   }
+  if (commitment == Commitment::kAtOnce) carryOutLater();
+}
+
+void PassiveStore::carryOutLater() {
+  ++updates_released_;
   worker_.run([this] { carryOut(*update_); });
   isUpdating();
+}
+
+void PassiveStore::releaseUpdate() {
+  if (!held_) return;
+  held_.reset();
+  carryOutLater();
+}
+
+void PassiveStore::discardUpdate() {
+  if (!held_) return;
+  held_.reset();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  update_.reset();
 }
 
 bool PassiveStore::isUpdating() {
@@ -91,6 +110,7 @@ bool PassiveStore::isUpdating() {
 }
 
 void PassiveStore::finish() {
+  releaseUpdate();
   worker_.wait();
   isUpdating();
 }

@@ -33,11 +33,20 @@ class PassiveStore {
   PassiveStore(const PassiveStore&) = delete;
   PassiveStore& operator=(const PassiveStore&) = delete;
 
-  /// Starts a global update. None may be under way.
-  void startUpdate(IntervalEffect effect);
+  /// Starts a global update. None may be under way or held. A held one is in force as well, but
+  /// nothing is carried out, and it can be discarded, until it is released.
+  enum class Commitment { kAtOnce, kHeld };
+  void startUpdate(IntervalEffect effect, Commitment commitment = Commitment::kAtOnce);
+  /// What a held update does; null if none is held.
+  std::shared_ptr<const IntervalEffect> heldEffect() const { return held_; }
+  void releaseUpdate();
+  void discardUpdate();
+  /// Number of updates that can not be discarded, done or not.
+  std::size_t updatesReleased() const { return updates_released_; }
   /// Whether a global update is under way. Throws what finish() throws.
   bool isUpdating();
-  /// Waits for the update and all jobs. Throws std::bad_alloc if there was too little memory.
+  /// Releases the update if it is held, and waits for it and all jobs. Throws std::bad_alloc if
+  /// there was too little memory.
   void finish();
 
   /// The pair of states at `index` and `index` + 1.
@@ -50,7 +59,7 @@ class PassiveStore {
   const Eigen::VectorXd& variances() const { return *variances_; }
   std::size_t updatesDone() const { return updates_done_; }
 
-  /// Runs `job` on the worker, after the update under way and before any later one, with
+  /// Runs `job` on the worker, after the update under way and before a held or later one, with
   /// covariance and states at rest.
   using Job = std::function<void(const TiledSymmetricMatrix&, const Eigen::VectorXd&)>;
   void runJob(Job job);
@@ -84,6 +93,8 @@ class PassiveStore {
   TwoColumns covarianceDuringUpdate(const std::vector<int>& rows, int index) const;
   Eigen::RowVectorXd originRow(int index) const;
 
+  void carryOutLater();
+
   // By the worker.
   void carryOut(Update& update);
   void growTo(int size);
@@ -96,6 +107,8 @@ class PassiveStore {
   SharedVector states_, variances_;
   SharedVector worker_states_;  ///< as of the last update that the worker has done
   std::size_t updates_done_ = 0;
+  std::size_t updates_released_ = 0;
+  std::shared_ptr<const IntervalEffect> held_;  ///< of update_, if that is held
   std::atomic<bool> abandoned_{false};
   SerialWorker worker_;  ///< last: its jobs end before what they use
 };

@@ -38,14 +38,13 @@ struct Resumption {
   };
 
   Refusal refusal = Refusal::kNotRefused;
-  std::string reason;          ///< a sentence: what was done, or why not and what to do
-  double closed_s = 0.0;       ///< stamp of the scan that closed the loop
-  int closing_pairs = 0;       ///< observations and landmarks that closed it, jointly
-  double chi_square = 0.0;     ///< of the joint innovation
-  double inflation = 1.0;      ///< times that the covariance of the vehicle's pose was taken
-  double correction_m = 0.0;   ///< of the vehicle, by the closing
-  std::size_t scans = 0;       ///< replayed
-  std::size_t identified = 0;  ///< of the observations replayed, told by the path
+  std::string reason;         ///< a sentence: what was done, or why not and what to do
+  double closed_s = 0.0;      ///< stamp of the scan that closed the loop
+  int closing_pairs = 0;      ///< observations and landmarks that closed it, jointly
+  double chi_square = 0.0;    ///< of the joint innovation
+  double inflation = 1.0;     ///< times that the covariance of the vehicle's pose was taken
+  double correction_m = 0.0;  ///< of the vehicle, by the closing
+  std::size_t scans = 0;      ///< gone over again, of which the first ones moved the vehicle only
 
   bool accepted() const { return refusal == Refusal::kNotRefused; }
 };

@@ -1,0 +1,201 @@
+#include "cekf/path_closing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "cekf/diameter_states.h"
+#include "cekf/landmark_measurement.h"
+#include "common/angles.h"
+#include "common/chi_square.h"
+
+namespace hymm::core {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+constexpr int kIterations = 5;
+
+// Tells landmarks that the covariance ties to the vehicle's own, wrong place from those that it
+// does not: at this probability, with deviations taken as often as the closing may take them.
+constexpr double kTiedProbability = 0.9999;
+
+// A second landmark has to be farther off than the nearest by this many times the plain distance.
+constexpr double kClearance = 1.0;
+
+/// The vehicle's states as the filter has them, but at another pose, within half a turn of its own.
+VectorXd statesAt(const Pose2& T_map_base, const CompressedEkf& filter) {
+  VectorXd states = filter.vehicle();
+  states.head<2>() = T_map_base.position();
+  states[2] += wrapAngle(T_map_base.yaw_rad - states[2]);
+  return states;
+}
+
+/// Squared Mahalanobis distance of the joint innovation.
+double jointDistance2(const std::vector<SparseMeasurement>& measurements,
+                      const CompressedEkf& filter) {
+  MatrixXd S = filter.innovationCovariance(measurements);
+  VectorXd innovations(S.rows());
+  for (Eigen::Index k = 0; k < S.rows(); k += 2) {
+    const SparseMeasurement& measurement = measurements[static_cast<std::size_t>(k / 2)];
+    S.block<2, 2>(k, k) += measurement.noise;
+    innovations.segment<2>(k) = measurement.innovation;
+  }
+  const Eigen::LLT<MatrixXd> llt(S.selfadjointView<Eigen::Lower>());
+  return llt.matrixL().solve(innovations).squaredNorm();
+}
+
+}  // namespace
+
+PathClosing::PathClosing(const ResumptionConfig& config) : config_(config) {}
+
+std::optional<SparseMeasurement> PathClosing::tryPair(
+    const Observation& observation, const Pose2& T_map_base, const SensorPlacement& sensor,
+    const LandmarkRegistry& registry, CompressedEkf& filter, Observation& sighting) const {
+  const LocatedLandmark located =
+      locateLandmark(T_map_base, sensor.T_base_sensor, observation.range_m - sensor.range_offset_m,
+                     observation.bearing_rad);
+  const double reach_m = (1.0 + kClearance) * config_.plain_distance_m;
+  const VectorXd vehicle_change = statesAt(T_map_base, filter) - filter.vehicle();
+  const double gate = config_.most_inflation * chiSquareQuantile(kTiedProbability, 2);
+  std::optional<SparseMeasurement> best;
+  double nearest_m = config_.plain_distance_m, second_m = reach_m;
+  for (const int slot : registry.slotsNear(located.position, reach_m)) {
+    const RegisteredLandmark& landmark = registry.bySlot(slot);
+    if (!mayBeOneKind(observation.type, landmark.type)) continue;
+    filter.activate(slot);
+    const DiameterState& diameter = landmark.diameter_state;
+    Observation conditioned = observation;
+    const bool by_diameter = diameter.exists() && dependsOnDiameter(observation);
+    if (by_diameter) {
+      filter.activate(diameter.slot);
+      conditioned = conditionedOnDiameter(observation, DiameterStates::mean(diameter, filter));
+    }
+    SparseMeasurement measurement = landmarkMeasurement(
+        conditioned, T_map_base, sensor, {slot, filter.landmark(slot)}, filter.vehicleStates());
+    if (by_diameter) {
+      measurement.landmarks[1] = diameter.slot;
+      measurement.H_landmarks[1].col(diameter.half) = -diameterGain(conditioned);
+    }
+    const Vector2d innovation = measurement.innovation + measurement.H_vehicle * vehicle_change;
+    const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise;
+    if (innovation.dot(S.inverse() * innovation) > gate) continue;
+    const double distance_m = (filter.landmark(slot) - located.position).norm();
+    if (distance_m < nearest_m) {
+      second_m = best ? nearest_m : second_m;
+      nearest_m = distance_m;
+      measurement.innovation = innovation;
+      best = measurement;
+      sighting = conditioned;
+    } else {
+      second_m = std::min(second_m, distance_m);
+    }
+  }
+  if (second_m < nearest_m + kClearance * config_.plain_distance_m) return std::nullopt;
+  return best;
+}
+
+ScanAssociation PathClosing::associate(const ObservationSet& set, const Pose2& T_map_base,
+                                       const VehicleState& vehicle,
+                                       const LandmarkRegistry& registry,
+                                       CompressedEkf& filter) const {
+  const std::size_t n = set.observations.size();
+  ScanAssociation result;
+  result.slots.assign(n, ScanAssociation::kNone);
+  result.claimed.assign(n, true);  // the scan that closes the loop makes no new landmarks
+  result.ignored.assign(n, false);
+  const SensorPlacement sensor = vehicle.placement(set.T_base_sensor, statesAt(T_map_base, filter));
+  std::vector<std::optional<SparseMeasurement>> pairs(n);
+  std::vector<Observation> sightings(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    pairs[i] = tryPair(set.observations[i], T_map_base, sensor, registry, filter, sightings[i]);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!pairs[i]) continue;
+    const int slot = pairs[i]->landmarks[0];
+    const auto claims = std::count_if(pairs.begin(), pairs.end(), [&](const auto& pair) {
+      return pair && pair->landmarks[0] == slot;
+    });
+    if (claims > 1) continue;
+    result.slots[i] = slot;
+    result.measurements.push_back(*pairs[i]);
+    result.sightings.push_back(sightings[i]);
+  }
+  return result;
+}
+
+/// z - h(x_i) - H_i * (x - x_i), for the vehicle's states x_i = `vehicle_at` and the landmarks
+/// among the states `landmarks_at`, or where they are.
+PathClosing::Measurements PathClosing::linearised(
+    const ScanAssociation& association, const ObservationSet& set, const VectorXd& vehicle_at,
+    const VectorXd* landmarks_at, const VehicleState& vehicle, const CompressedEkf& filter) const {
+  const Pose2 pose = Pose2::fromVector(vehicle_at.head<3>());
+  const SensorPlacement sensor = vehicle.placement(set.T_base_sensor, vehicle_at);
+  const VectorXd vehicle_change = vehicle_at - filter.vehicle();
+  Measurements result;
+  for (std::size_t k = 0; k < association.measurements.size(); ++k) {
+    const SparseMeasurement& before = association.measurements[k];
+    const int slot = before.landmarks[0];
+    const Vector2d landmark = filter.landmark(slot);
+    const Vector2d at = landmarks_at ? filter.landmarkAmong(*landmarks_at, slot) : landmark;
+    SparseMeasurement now = landmarkMeasurement(association.sightings[k], pose, sensor, {slot, at},
+                                                filter.vehicleStates());
+    now.landmarks[1] = before.landmarks[1];  // which is linear
+    now.H_landmarks[1] = before.H_landmarks[1];
+    now.innovation += now.H_vehicle * vehicle_change + now.H_landmarks[0] * (at - landmark);
+    result.push_back(now);
+  }
+  return result;
+}
+
+PathClosing::Measurements PathClosing::iterated(const ScanAssociation& association,
+                                                const ObservationSet& set, const Pose2& T_map_base,
+                                                const VehicleState& vehicle,
+                                                const CompressedEkf& filter) const {
+  Measurements measurements =
+      linearised(association, set, statesAt(T_map_base, filter), nullptr, vehicle, filter);
+  for (int iteration = 1; iteration < kIterations; ++iteration) {
+    const std::optional<VectorXd> states = filter.statesAfter(measurements);
+    if (!states) break;
+    const VectorXd at = states->head(filter.vehicleStates());
+    measurements = linearised(association, set, at, &*states, vehicle, filter);
+  }
+  return measurements;
+}
+
+std::optional<PathClosing::Closing> PathClosing::tryClose(const ObservationSet& set,
+                                                          const Pose2& T_map_base,
+                                                          const VehicleState& vehicle,
+                                                          const LandmarkRegistry& registry,
+                                                          CompressedEkf& filter) const {
+  Closing closing;
+  closing.association = associate(set, T_map_base, vehicle, registry, filter);
+  if (closing.pairs() < config_.least_pairs) return std::nullopt;
+  closing.limit = chiSquareQuantile(config_.joint_probability, 2 * closing.pairs());
+  const int states = filter.vehicleStates();
+  const Eigen::Matrix3d P_pose = filter.vehicleCovariance().topLeftCorner<3, 3>();
+  for (;;) {
+    const Measurements measurements =
+        iterated(closing.association, set, T_map_base, vehicle, filter);
+    closing.chi_square = jointDistance2(measurements, filter);
+    if (closing.accepted()) {
+      closing.association.measurements = measurements;
+      closing.update = filter.update(measurements);
+      break;
+    }
+    if (closing.inflation >= config_.most_inflation) break;
+    const double before = closing.inflation;
+    closing.inflation = std::min(3.0 * before, config_.most_inflation);
+    MatrixXd Q = MatrixXd::Zero(states, states);
+    Q.topLeftCorner<3, 3>() = (closing.inflation - before) * P_pose;
+    filter.predict(filter.vehicle(), MatrixXd::Identity(states, states), Q);
+  }
+  return closing;
+}
+
+}  // namespace hymm::core

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "cekf/cekf_slam_config.h"
+#include "cekf/compressed_ekf.h"
+#include "cekf/landmark_registry.h"
+#include "cekf/resumption.h"
+#include "cekf/scan_associator.h"
+#include "cekf/vehicle_state.h"
+#include "perception/observation.h"
+
+namespace hymm::core {
+
+/// The update that closes a loop once another filter has found the vehicle: its path tells which
+/// landmark each observation is of, and where to linearise; what the filter learns, it learns from
+/// the observations and its own covariances alone.
+class PathClosing {
+ public:
+  explicit PathClosing(const ResumptionConfig& config);
+
+  /// What to close with, or an empty association if too little is plain.
+  struct Closing {
+    ScanAssociation association;
+    UpdateOutcome update;
+    double chi_square = 0.0;
+    double limit = 0.0;
+    double inflation = 1.0;
+
+    int pairs() const { return static_cast<int>(association.measurements.size()); }
+    bool accepted() const { return chi_square <= limit; }
+  };
+
+  /// Pairs the observations of `set` with landmarks as seen from `T_map_base`, where that leaves no
+  /// doubt. Activates those landmarks.
+  ScanAssociation associate(const ObservationSet& set, const Pose2& T_map_base,
+                            const VehicleState& vehicle, const LandmarkRegistry& registry,
+                            CompressedEkf& filter) const;
+
+  /// Closes with what is plain at `T_map_base`: all pairs in one update, iterated from there. Not
+  /// accepted if the joint innovation is beyond its gate even with the pose's covariance taken
+  /// most_inflation times; the filter is then spoilt. Nothing if fewer than least_pairs are plain.
+  std::optional<Closing> tryClose(const ObservationSet& set, const Pose2& T_map_base,
+                                  const VehicleState& vehicle, const LandmarkRegistry& registry,
+                                  CompressedEkf& filter) const;
+
+ private:
+  using Measurements = std::vector<SparseMeasurement>;
+
+  std::optional<SparseMeasurement> tryPair(const Observation& observation, const Pose2& T_map_base,
+                                           const SensorPlacement& sensor,
+                                           const LandmarkRegistry& registry, CompressedEkf& filter,
+                                           Observation& sighting) const;
+  Measurements linearised(const ScanAssociation& association, const ObservationSet& set,
+                          const Eigen::VectorXd& vehicle_at, const Eigen::VectorXd* landmarks_at,
+                          const VehicleState& vehicle, const CompressedEkf& filter) const;
+  Measurements iterated(const ScanAssociation& association, const ObservationSet& set,
+                        const Pose2& T_map_base, const VehicleState& vehicle,
+                        const CompressedEkf& filter) const;
+
+  ResumptionConfig config_;
+};
+
+}  // namespace hymm::core
