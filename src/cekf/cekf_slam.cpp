@@ -68,7 +68,7 @@ class CekfSlam::Impl {
                     config.update.atFirstEstimates()),
         pins_(config.landmarks.pin_delay_s),
         area_(config.active_area),
-        path_closing_(config.resumption),
+        path_closing_(config.resumption, config.update.atFirstEstimates()),
         estimate_(newEstimate()) {}
 
   std::optional<ScanOutcome> process(const SensorEvent& event) {
@@ -460,7 +460,7 @@ class CekfSlam::Impl {
     counts_.forgotten_states += ring_.giveUp(
         [&filter](const FilterMemory& memory) { return filter.canGoBackTo(memory.filter); });
     if (ring_.noteScan(last_scan_s_)) ring_.remember(remembered());
-    if (ring_.oldest()->filter.held) filter.releaseGlobalUpdate();
+    if (filter.isGlobalUpdateHeldSince(ring_.oldest()->filter)) filter.releaseGlobalUpdate();
   }
 
   std::optional<LocalStateRing::Way> findWay(double time_s) const {

@@ -160,7 +160,11 @@ class CompressedEkf {
   bool canGoBackTo(const LocalState& state) const;
   /// From now on global updates are held when they start: in force, and pending until released.
   void holdGlobalUpdates(bool hold) { hold_updates_ = hold; }
-  bool isGlobalUpdateHeld() const { return store_->heldEffect() != nullptr; }
+  /// Whether a global update is held, and was so already in `state`.
+  bool isGlobalUpdateHeldSince(const LocalState& state) const {
+    return store_->heldEffect() && state.held &&
+           state.updates_released == store_->updatesReleased();
+  }
   void releaseGlobalUpdate() { store_->releaseUpdate(); }
 
   /// Number of global updates done, and where the last one put a passive landmark, with the trace

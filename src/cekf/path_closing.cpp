@@ -8,6 +8,7 @@
 
 #include "cekf/diameter_states.h"
 #include "cekf/landmark_measurement.h"
+#include "cekf/relinearisation.h"
 #include "common/angles.h"
 #include "common/chi_square.h"
 
@@ -52,7 +53,8 @@ double jointDistance2(const std::vector<SparseMeasurement>& measurements,
 
 }  // namespace
 
-PathClosing::PathClosing(const ResumptionConfig& config) : config_(config) {}
+PathClosing::PathClosing(const ResumptionConfig& config, bool at_first_estimates)
+    : config_(config), at_first_estimates_(at_first_estimates) {}
 
 std::optional<SparseMeasurement> PathClosing::tryPair(
     const Observation& observation, const Pose2& T_map_base, const SensorPlacement& sensor,
@@ -153,16 +155,32 @@ PathClosing::Measurements PathClosing::linearised(
   return result;
 }
 
+/// Lets the covariance belong to where linearised() takes the Jacobians.
+void PathClosing::relineariseAt(const ScanAssociation& association, const VectorXd& vehicle_at,
+                                const VectorXd* landmarks_at, VehicleState& vehicle,
+                                LandmarkRegistry& registry, CompressedEkf& filter) const {
+  if (!at_first_estimates_) return;
+  relinearise(vehicle, vehicle_at.head<2>(), filter);
+  for (const SparseMeasurement& measurement : association.measurements) {
+    const int slot = measurement.landmarks[0];
+    const Vector2d place =
+        landmarks_at ? filter.landmarkAmong(*landmarks_at, slot) : filter.landmark(slot);
+    relinearise(registry.bySlot(slot), place, filter);
+  }
+}
+
 PathClosing::Measurements PathClosing::iterated(const ScanAssociation& association,
                                                 const ObservationSet& set, const Pose2& T_map_base,
-                                                const VehicleState& vehicle,
-                                                const CompressedEkf& filter) const {
-  Measurements measurements =
-      linearised(association, set, statesAt(T_map_base, filter), nullptr, vehicle, filter);
+                                                VehicleState& vehicle, LandmarkRegistry& registry,
+                                                CompressedEkf& filter) const {
+  const VectorXd begin = statesAt(T_map_base, filter);
+  relineariseAt(association, begin, nullptr, vehicle, registry, filter);
+  Measurements measurements = linearised(association, set, begin, nullptr, vehicle, filter);
   for (int iteration = 1; iteration < kIterations; ++iteration) {
     const std::optional<VectorXd> states = filter.statesAfter(measurements);
     if (!states) break;
     const VectorXd at = states->head(filter.vehicleStates());
+    relineariseAt(association, at, &*states, vehicle, registry, filter);
     measurements = linearised(association, set, at, &*states, vehicle, filter);
   }
   return measurements;
@@ -170,8 +188,8 @@ PathClosing::Measurements PathClosing::iterated(const ScanAssociation& associati
 
 std::optional<PathClosing::Closing> PathClosing::tryClose(const ObservationSet& set,
                                                           const Pose2& T_map_base,
-                                                          const VehicleState& vehicle,
-                                                          const LandmarkRegistry& registry,
+                                                          VehicleState& vehicle,
+                                                          LandmarkRegistry& registry,
                                                           CompressedEkf& filter) const {
   Closing closing;
   closing.association = associate(set, T_map_base, vehicle, registry, filter);
@@ -181,7 +199,7 @@ std::optional<PathClosing::Closing> PathClosing::tryClose(const ObservationSet& 
   const Eigen::Matrix3d P_pose = filter.vehicleCovariance().topLeftCorner<3, 3>();
   for (;;) {
     const Measurements measurements =
-        iterated(closing.association, set, T_map_base, vehicle, filter);
+        iterated(closing.association, set, T_map_base, vehicle, registry, filter);
     closing.chi_square = jointDistance2(measurements, filter);
     if (closing.accepted()) {
       closing.association.measurements = measurements;

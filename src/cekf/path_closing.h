@@ -18,7 +18,8 @@ namespace hymm::core {
 /// the observations and its own covariances alone.
 class PathClosing {
  public:
-  explicit PathClosing(const ResumptionConfig& config);
+  /// `at_first_estimates`: the covariance belongs to the places at which Jacobians are taken.
+  PathClosing(const ResumptionConfig& config, bool at_first_estimates);
 
   /// What to close with, or an empty association if too little is plain.
   struct Closing {
@@ -42,7 +43,7 @@ class PathClosing {
   /// accepted if the joint innovation is beyond its gate even with the pose's covariance taken
   /// most_inflation times; the filter is then spoilt. Nothing if fewer than least_pairs are plain.
   std::optional<Closing> tryClose(const ObservationSet& set, const Pose2& T_map_base,
-                                  const VehicleState& vehicle, const LandmarkRegistry& registry,
+                                  VehicleState& vehicle, LandmarkRegistry& registry,
                                   CompressedEkf& filter) const;
 
  private:
@@ -56,10 +57,14 @@ class PathClosing {
                           const Eigen::VectorXd& vehicle_at, const Eigen::VectorXd* landmarks_at,
                           const VehicleState& vehicle, const CompressedEkf& filter) const;
   Measurements iterated(const ScanAssociation& association, const ObservationSet& set,
-                        const Pose2& T_map_base, const VehicleState& vehicle,
-                        const CompressedEkf& filter) const;
+                        const Pose2& T_map_base, VehicleState& vehicle, LandmarkRegistry& registry,
+                        CompressedEkf& filter) const;
+  void relineariseAt(const ScanAssociation& association, const Eigen::VectorXd& vehicle_at,
+                     const Eigen::VectorXd* landmarks_at, VehicleState& vehicle,
+                     LandmarkRegistry& registry, CompressedEkf& filter) const;
 
   ResumptionConfig config_;
+  bool at_first_estimates_;
 };
 
 }  // namespace hymm::core

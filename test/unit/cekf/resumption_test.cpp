@@ -1,0 +1,312 @@
+#include "cekf/resumption.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "cekf/cekf_slam.h"
+#include "support/loop_drive.h"
+
+namespace hymm::core {
+namespace {
+
+constexpr int kRing = 12;
+constexpr std::uint64_t kSeed = 5;
+
+/// A drive as it was recorded.
+struct Recording {
+  std::vector<SensorEvent> events;
+  std::vector<PlaceAtScan> truth;  ///< at the scans
+};
+
+Recording record(int scans, bool identities = false) {
+  test::LoopDrive drive(kSeed, identities);
+  Recording recording;
+  for (int i = 0; i < scans; ++i) {
+    const auto events = drive.next();
+    recording.events.insert(recording.events.end(), events.begin(), events.end());
+    recording.truth.push_back({drive.time_s(), drive.truth()});
+  }
+  return recording;
+}
+
+CekfSlamConfig config() {
+  CekfSlamConfig config;
+  config.motion_input = "odom";
+  config.active_area.cell_m = 15.0;
+  return config;
+}
+
+CekfSlam newSlam(int kept_scans = kRing, const CekfSlamConfig& config = core::config()) {
+  CekfSlam slam(config, VehicleConfig{});
+  slam.keepLocalStates(kept_scans);
+  return slam;
+}
+
+void feed(CekfSlam& slam, const Recording& recording, double from_s, double to_s) {
+  for (const SensorEvent& event : recording.events) {
+    if (timeOf(event) > from_s && timeOf(event) <= to_s) slam.process(event);
+  }
+}
+
+/// Vehicle and all landmarks as one Gaussian.
+struct Joint {
+  std::vector<int> ids;
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+
+Joint jointOf(CekfSlam& slam) {
+  std::vector<int> ids;
+  for (const auto& landmark : slam.landmarkMap(0.0).landmarks) ids.push_back(landmark.id);
+  Joint joint;
+  EXPECT_TRUE(slam.requestVehicleAmongLandmarks(ids, [&](const VehicleAmongLandmarks& estimate) {
+    const Eigen::Index n = estimate.landmarks.mean.size();
+    joint.ids = ids;
+    joint.mean.resize(3 + n);
+    joint.mean << estimate.vehicle.mean.vector(), estimate.landmarks.mean;
+    joint.covariance.resize(3 + n, 3 + n);
+    joint.covariance << estimate.vehicle.covariance, estimate.cross_covariance,
+        estimate.cross_covariance.transpose(), estimate.landmarks.covariance;
+  }));
+  return joint;
+}
+
+/// Largest difference in units of the first one's deviations.
+double difference(const Joint& a, const Joint& b) {
+  if (a.ids != b.ids) return std::numeric_limits<double>::infinity();
+  const Eigen::ArrayXd sigma = a.covariance.diagonal().cwiseSqrt();
+  const Eigen::ArrayXXd units = (sigma.matrix() * sigma.matrix().transpose()).array();
+  return std::max(((a.mean - b.mean).array() / sigma).abs().maxCoeff(),
+                  ((a.covariance - b.covariance).array() / units).abs().maxCoeff());
+}
+
+constexpr double kEnd_s = 90.0, kT0_s = 76.0;  // the loop closes from 80 s on
+
+TEST(Resumption, TheRingChangesNothing) {
+  const Recording recording = record(180);
+  CekfSlam with = newSlam(), without = newSlam(0);
+  feed(with, recording, -1.0, kEnd_s);
+  feed(without, recording, -1.0, kEnd_s);
+  EXPECT_GT(with.counts().global_updates, 3U);
+  EXPECT_LT(difference(jointOf(without), jointOf(with)), 1e-7);
+}
+
+TEST(Resumption, VehicleAmongLandmarksIsOneGaussian) {
+  const Recording recording = record(180);
+  CekfSlam slam = newSlam();
+  feed(slam, recording, -1.0, kEnd_s);
+  const Joint joint = jointOf(slam);
+  ASSERT_GT(joint.ids.size(), 20U);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(joint.covariance);
+  EXPECT_GE(solver.eigenvalues().minCoeff(), -1e-9 * solver.eigenvalues().maxCoeff());
+  EXPECT_GT(joint.covariance.topRightCorner(3, 2 * 20).norm(), 0.0);
+  EXPECT_FALSE(slam.requestVehicleAmongLandmarks({9999}, [](const VehicleAmongLandmarks&) {}));
+}
+
+/// The filter after all of the recording and back at a scan, and one that ends there.
+std::pair<Joint, Joint> backAndThere(const CekfSlamConfig& config, double time_s) {
+  const Recording recording = record(180);
+  CekfSlam slam = newSlam(kRing, config), there = newSlam(kRing, config);
+  feed(slam, recording, -1.0, kEnd_s);
+  feed(there, recording, -1.0, time_s);
+  EXPECT_TRUE(slam.suspend(time_s)) << time_s;
+  return {jointOf(slam), jointOf(there)};
+}
+
+TEST(Resumption, GoesBackToAnyScanOfTheRingToTheBit) {
+  CekfSlamConfig one_area = config();
+  one_area.active_area.cell_m = 200.0;
+  for (double back_s = 0.5; back_s <= 0.5 * kRing - 0.5; back_s += 0.5) {
+    const auto [back, there] = backAndThere(one_area, kEnd_s - back_s);
+    EXPECT_EQ(back.ids, there.ids);
+    EXPECT_TRUE(back.mean == there.mean) << back_s;
+    EXPECT_TRUE(back.covariance == there.covariance) << back_s;
+  }
+}
+
+TEST(Resumption, GoesBackAcrossGlobalUpdates) {
+  for (double back_s = 0.5; back_s <= 0.5 * kRing - 0.5; back_s += 0.5) {
+    const auto [back, there] = backAndThere(config(), kEnd_s - back_s);
+    EXPECT_LT(difference(back, there), 1e-11) << back_s;  // one rounds what it has carried out
+  }
+}
+
+TEST(Resumption, WaitsWithThePoseCarriedOnByTheMotion) {
+  const Recording recording = record(180);
+  CekfSlam slam = newSlam();
+  feed(slam, recording, -1.0, kT0_s);
+  ASSERT_TRUE(slam.suspend(kT0_s));
+  const Joint before = jointOf(slam);
+  std::size_t waited = 0;
+  for (const SensorEvent& event : recording.events) {
+    if (timeOf(event) <= kT0_s || timeOf(event) > kEnd_s) continue;
+    const auto outcome = slam.process(event);
+    if (!outcome) continue;
+    EXPECT_TRUE(outcome->accepted && outcome->suspended);
+    EXPECT_FALSE(outcome->observations.observations.empty());
+    EXPECT_EQ(outcome->health.dof, 0);
+    ++waited;
+  }
+  EXPECT_EQ(waited, 28U);
+  EXPECT_EQ(jointOf(slam).mean, before.mean);
+  EXPECT_EQ(slam.pose().time_s, kEnd_s);
+  EXPECT_LT(
+      (slam.pose().T_map_base.position() - recording.truth.back().T_map_base.position()).norm(),
+      3.0);
+  EXPECT_GT(slam.pose().covariance(0, 0), before.covariance(0, 0));
+}
+
+std::vector<PlaceAtScan> pathFrom(const Recording& recording, double from_s, double x_off_m = 0.0) {
+  std::vector<PlaceAtScan> path;
+  for (PlaceAtScan place : recording.truth) {
+    place.T_map_base.x_m += x_off_m;
+    if (place.time_s >= from_s && place.time_s <= kEnd_s) path.push_back(place);
+  }
+  return path;
+}
+
+TEST(Resumption, ClosesAsAFilterThatKnowsTheAssociations) {
+  const Recording recording = record(200, true);  // the closing itself does not look at identities
+  const double close_s = 84.0;
+  CekfSlam slam = newSlam();
+  feed(slam, recording, -1.0, kT0_s);
+  ASSERT_TRUE(slam.suspend(kT0_s));
+  feed(slam, recording, kT0_s, kEnd_s);
+  const Resumption outcome = slam.resume(kT0_s, pathFrom(recording, close_s));
+  ASSERT_TRUE(outcome.accepted()) << outcome.reason;
+  EXPECT_EQ(outcome.closed_s, close_s);
+  EXPECT_GE(outcome.closing_pairs, 3);
+  EXPECT_EQ(outcome.scans, 28U);
+  EXPECT_FALSE(slam.isSuspended());
+
+  CekfSlam knowing = newSlam(0);
+  for (const SensorEvent& event : recording.events) {
+    const bool is_scan = std::holds_alternative<ObservationSet>(event);
+    if (timeOf(event) > kEnd_s || (is_scan && timeOf(event) > kT0_s && timeOf(event) < close_s)) {
+      continue;
+    }
+    knowing.process(event);
+  }
+  const Joint expected = jointOf(knowing), is = jointOf(slam);
+  ASSERT_EQ(is.ids.size(), expected.ids.size());
+  EXPECT_LT(difference({expected.ids, is.mean, is.covariance}, expected), 0.05);
+}
+
+TEST(Resumption, ARefusalLeavesEverythingAsItWas) {
+  const Recording recording = record(200);
+  CekfSlam slam = newSlam(), twin = newSlam();
+  for (CekfSlam* each : {&slam, &twin}) {
+    feed(*each, recording, -1.0, kT0_s);
+    ASSERT_TRUE(each->suspend(kT0_s));
+    feed(*each, recording, kT0_s, kEnd_s);
+  }
+  slam.takeUpdate();
+  twin.takeUpdate();
+  const auto nothing_there = slam.resume(kT0_s, pathFrom(recording, 84.0, 500.0));
+  EXPECT_EQ(nothing_there.refusal, Resumption::Refusal::kNothingPlain);
+  EXPECT_EQ(slam.resume(kT0_s, {}).refusal, Resumption::Refusal::kUnusablePath);
+  EXPECT_EQ(slam.resume(kT0_s - 100.0, pathFrom(recording, 84.0)).refusal,
+            Resumption::Refusal::kNotKept);
+  EXPECT_EQ(slam.counts().refused_resumptions, 3U);
+  EXPECT_TRUE(slam.isSuspended());
+  EXPECT_EQ(slam.pose().T_map_base.vector(), twin.pose().T_map_base.vector());
+  EXPECT_EQ(jointOf(slam).covariance, jointOf(twin).covariance);
+  EXPECT_TRUE(slam.takeUpdate().changed.empty());
+
+  const auto path = pathFrom(recording, 84.0);
+  EXPECT_TRUE(slam.resume(kT0_s, path).accepted());
+  EXPECT_TRUE(twin.resume(kT0_s, path).accepted());
+  EXPECT_EQ(jointOf(slam).mean, jointOf(twin).mean);
+  EXPECT_EQ(jointOf(slam).covariance, jointOf(twin).covariance);
+}
+
+TEST(Resumption, RefusesWhatContradictsTheCovariances) {
+  Recording recording = record(100);
+  for (SensorEvent& event : recording.events) {
+    auto* set = std::get_if<ObservationSet>(&event);
+    if (set != nullptr && set->time_s == 37.0) set->observations.front().range_m += 0.5;
+  }
+  CekfSlam slam = newSlam();
+  feed(slam, recording, -1.0, 40.0);
+  ASSERT_TRUE(slam.suspend(36.0));
+  const Resumption outcome = slam.resume(36.0, {recording.truth[73]});
+  ASSERT_EQ(recording.truth[73].time_s, 37.0);
+  EXPECT_EQ(outcome.refusal, Resumption::Refusal::kContradiction) << outcome.reason;
+  EXPECT_TRUE(slam.isSuspended());
+  EXPECT_TRUE(slam.resume(36.0, {recording.truth[74]}).accepted());
+}
+
+TEST(Resumption, WithoutClosingGoesOnByDeadReckoning) {
+  const Recording recording = record(200);
+  CekfSlam slam = newSlam();
+  feed(slam, recording, -1.0, kT0_s);
+  const Joint at_T0 = jointOf(slam);
+  feed(slam, recording, kT0_s, kT0_s + 4.0);
+  const Resumption outcome = slam.resumeWithoutClosing(kT0_s);
+  ASSERT_TRUE(outcome.accepted()) << outcome.reason;
+  EXPECT_EQ(outcome.scans, 8U);
+  const Joint now = jointOf(slam);
+  EXPECT_EQ(now.mean.tail(now.mean.size() - 3), at_T0.mean.tail(at_T0.mean.size() - 3));
+  EXPECT_GT(now.covariance(2, 2), at_T0.covariance(2, 2));
+  EXPECT_EQ(slam.pose().time_s, kT0_s + 4.0);
+  feed(slam, recording, kT0_s + 4.0, kEnd_s);
+  EXPECT_GT(slam.counts().associated, 0U);
+}
+
+TEST(Resumption, GivesOutNoIdTwice) {
+  const Recording recording = record(200);
+  CekfSlam slam = newSlam(kRing);
+  feed(slam, recording, -1.0, 40.0);
+  int highest = -1;
+  for (const auto& landmark : slam.landmarkMap(0.0).landmarks) {
+    highest = std::max(highest, landmark.id);
+  }
+  const std::size_t count = slam.landmarkCount();
+  ASSERT_TRUE(slam.resumeWithoutClosing(36.0).accepted());
+  ASSERT_LT(slam.landmarkCount(), count);
+  feed(slam, recording, 40.0, 60.0);
+  std::vector<int> fresh;
+  for (const auto& landmark : slam.landmarkMap(0.0).landmarks) {
+    if (landmark.id > highest) fresh.push_back(landmark.id);
+  }
+  EXPECT_FALSE(fresh.empty());
+  for (const int removed : slam.takeUpdate().removed_ids) EXPECT_LE(removed, highest);
+}
+
+TEST(Resumption, KeepsAsManyScansAsItWasTold) {
+  const Recording recording = record(100);
+  CekfSlam slam = newSlam(kRing);
+  EXPECT_FALSE(slam.localStates());
+  EXPECT_FALSE(slam.suspend(10.0));
+  feed(slam, recording, -1.0, 50.0);
+  ASSERT_TRUE(slam.localStates());
+  EXPECT_GE(slam.localStates()->scans, static_cast<std::size_t>(kRing));
+  EXPECT_LE(slam.localStates()->scans, 1U + kRing + kRing / 4);
+  EXPECT_EQ(slam.localStates()->newest_s, 50.0);
+  EXPECT_FALSE(slam.suspend(50.0 - kRing));
+  EXPECT_FALSE(slam.suspend(49.75));  // no scan
+  EXPECT_EQ(slam.counts().forgotten_states, 0U);
+  slam.reset();
+  EXPECT_FALSE(slam.localStates());
+}
+
+TEST(Resumption, GivesUpTheOldestScansWhenTheActivePartIsFull) {
+  const Recording recording = record(100);
+  CekfSlamConfig small = config();
+  small.active_area.max_origin_states = 10;
+  CekfSlam slam = newSlam(40, small);
+  feed(slam, recording, -1.0, 50.0);
+  EXPECT_GT(slam.counts().forgotten_states, 0U);
+  ASSERT_TRUE(slam.localStates());
+  EXPECT_FALSE(slam.suspend(slam.localStates()->oldest_s - 0.5));
+  EXPECT_TRUE(slam.suspend(slam.localStates()->oldest_s));
+}
+
+}  // namespace
+}  // namespace hymm::core
