@@ -10,6 +10,10 @@ namespace {
 constexpr double kCornerShare = 1e-5;
 constexpr float kOccupied = -std::numeric_limits<float>::infinity();
 
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+/// Share from which a cell counts as one of a category.
+constexpr float kMostly = 0.5F;
+
 /// What a metre costs by the occupancy alone.
 float costOf(const PathCostConfig& config, float probability) {
   if (std::isnan(probability)) {
@@ -48,6 +52,10 @@ CellCosts::CellCosts(const PathCostConfig& config, const std::vector<PropertyWei
                    [&](float probability) { return costOf(config, probability); });
   }
   for (const PropertyWeight& weight : weights) {
+    if (weight.isDirected()) {
+      addDirected(weight, content);
+      continue;
+    }
     const auto property = content.properties.find(weight.property);
     if (property != content.properties.end()) addProperty(weight, property->second);
   }
@@ -61,17 +69,59 @@ void CellCosts::addProperty(const PropertyWeight& weight, const std::vector<floa
                                 " of an LTR must have one value a cell");
   }
   const float factor = static_cast<float>(weight.weight);
-  if (weight.kind == PropertyWeight::Kind::kClimb) climbs_.resize(values_.size(), 0.0F);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isnan(values[i])) continue;
     if (weight.kind == PropertyWeight::Kind::kForbidden) {
       if (values[i] >= factor) values_[i] = kOccupied;
-    } else if (weight.kind == PropertyWeight::Kind::kClimb) {
-      climbs_[i] += factor * values[i];
     } else {
       values_[i] += factor * std::max(0.0F, values[i]);
     }
   }
+}
+
+void CellCosts::addDirected(const PropertyWeight& weight, const LtrContent& content) {
+  DirectedLayer layer;
+  const auto factor = static_cast<float>(weight.weight);
+  (weight.kind == PropertyWeight::Kind::kClimb ? layer.rise : layer.fall) = factor;
+  const auto find = [&](const std::string& name) {
+    const auto found = content.properties.find(name);
+    if (found == content.properties.end()) return std::vector<float>();
+    if (found->second.size() != values_.size()) {
+      throw std::invalid_argument("property " + name + " of an LTR must have one value a cell");
+    }
+    return found->second;
+  };
+  if (const auto categories = weight.categories()) {
+    const std::vector<float> first = find(categories->first), second = find(categories->second);
+    if (!first.empty() || !second.empty()) layer.values.assign(values_.size(), kUnknown);
+    for (std::size_t i = 0; i < layer.values.size(); ++i) {
+      if (!first.empty() && first[i] >= kMostly) layer.values[i] = 0.0F;
+      if (!second.empty() && second[i] >= kMostly) layer.values[i] = 1.0F;
+    }
+  } else {
+    layer.values = find(weight.property);
+  }
+  is_directed_ = is_directed_ || !layer.values.empty();
+  directed_.push_back(std::move(layer));
+}
+
+bool CellCosts::DirectedLayer::operator==(const DirectedLayer& other) const {
+  return rise == other.rise && fall == other.fall &&
+         std::equal(values.begin(), values.end(), other.values.begin(), other.values.end(),
+                    [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); });
+}
+
+float CellCosts::passing(const CellCosts& one, int from, const CellCosts& other, int to) {
+  float sum = 0.0F;
+  for (std::size_t k = 0; k < std::min(one.directed_.size(), other.directed_.size()); ++k) {
+    const DirectedLayer& here = one.directed_[k];
+    const DirectedLayer& there = other.directed_[k];
+    if (here.values.empty() || there.values.empty()) continue;
+    const float rise = there.values[std::size_t(to)] - here.values[std::size_t(from)];
+    if (rise > 0.0F) sum += here.rise * rise;
+    if (rise < 0.0F) sum -= here.fall * rise;
+  }
+  return sum;
 }
 
 void CellCosts::finish() {
@@ -140,7 +190,7 @@ double CellCosts::integrate(const Triangle::Local& from, const Triangle::Local& 
     const float cost = value(cell);
     if (!(cost > 0.0F)) return false;
     sum += share * length_m * static_cast<double>(cost);
-    if (last >= 0) sum += static_cast<double>(std::max(0.0F, climb(cell) - climb(last)));
+    if (is_directed_ && last >= 0) sum += static_cast<double>(passing(last, cell));
     last = cell;
     return true;
   });
@@ -148,7 +198,9 @@ double CellCosts::integrate(const Triangle::Local& from, const Triangle::Local& 
 }
 
 std::size_t CellCosts::bytes() const {
-  return sizeof(*this) + (values_.capacity() + climbs_.capacity()) * sizeof(float) +
+  std::size_t directed = 0;
+  for (const DirectedLayer& layer : directed_) directed += layer.values.capacity() * sizeof(float);
+  return sizeof(*this) + values_.capacity() * sizeof(float) + directed +
          obstacles_.capacity() * sizeof(Eigen::Vector2f) +
          std::size_t(grid_.betaCells() + 1) * sizeof(int);
 }

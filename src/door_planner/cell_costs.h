@@ -37,11 +37,13 @@ class CellCosts {
   float perMetre(int cell) const { return value(cell); }
   /// Infinite if nothing is passable.
   double leastPerMetre() const { return least_; }
-  bool isUniform() const { return values_.empty() && climbs_.empty(); }
+  bool isUniform() const { return values_.empty() && !isDirected(); }
   /// Whether going one way can cost more than going back.
-  bool isDirected() const { return !climbs_.empty(); }
-  /// Height of a cell times what a metre of climbing costs.
-  float climb(int cell) const { return climbs_.empty() ? 0.0F : climbs_[std::size_t(cell)]; }
+  bool isDirected() const { return is_directed_; }
+  /// What going from one cell to another costs in addition, because a layer rises or falls there.
+  float passing(int from, int to) const { return passing(*this, from, *this, to); }
+  /// The same across the side of two LTRs, whose costs come from the same configuration.
+  static float passing(const CellCosts& one, int from, const CellCosts& other, int to);
 
   /// Local coordinates of the centres of occupied cells that have a free one beside them, or lie on
   /// a border of the LTR: what the others keep away from, they keep away from too.
@@ -57,12 +59,20 @@ class CellCosts {
 
   std::size_t bytes() const;
   bool operator==(const CellCosts& other) const {
-    return values_ == other.values_ && uniform_ == other.uniform_ && climbs_ == other.climbs_;
+    return values_ == other.values_ && uniform_ == other.uniform_ && directed_ == other.directed_;
   }
 
  private:
+  /// A layer whose rise or fall costs something; without values where the LTR has none of it.
+  struct DirectedLayer {
+    float rise = 0.0F, fall = 0.0F;  ///< of one unit
+    std::vector<float> values;       ///< NaN where they are not known: going there and back is free
+    bool operator==(const DirectedLayer& other) const;
+  };
+
   float value(int cell) const { return values_.empty() ? uniform_ : values_[std::size_t(cell)]; }
   void addProperty(const PropertyWeight& weight, const std::vector<float>& values);
+  void addDirected(const PropertyWeight& weight, const LtrContent& content);
   void finish();
   void findObstacles();
 
@@ -71,7 +81,8 @@ class CellCosts {
   /// `uniform_`.
   std::vector<float> values_;
   float uniform_ = 1.0F;
-  std::vector<float> climbs_;  ///< empty without
+  std::vector<DirectedLayer> directed_;  ///< by the configuration's order
+  bool is_directed_ = false;
   std::vector<Eigen::Vector2f> obstacles_;
   double least_ = kNoPassing;
 };

@@ -35,6 +35,14 @@ int exitOf(const Triangle::Local& from, const Triangle::Local& along, double at,
   return exit;
 }
 
+/// Of going from one LTR to the next, where a layer rises or falls.
+double crossingCost(const GraphLtr& from, const GraphLtr& to, const Eigen::Vector2d& place) {
+  if (!from.costs->isDirected() || !to.costs || !to.costs->isDirected()) return 0.0;
+  const int before = from.costs->grid().index(from.triangle.toLocal(place));
+  const int after = to.costs->grid().index(to.triangle.toLocal(place));
+  return static_cast<double>(CellCosts::passing(*from.costs, before, *to.costs, after));
+}
+
 }  // namespace
 
 DoorGraph::DoorGraph(std::vector<GraphLtr> ltrs, std::vector<GraphSide> sides,
@@ -51,28 +59,50 @@ DoorGraph::DoorGraph(std::vector<GraphLtr> ltrs, std::vector<GraphSide> sides,
 
 void DoorGraph::prepareSearch() {
   search_ltrs_.resize(ltrs_.size());
-  search_portals_.resize(places_.size());
+  search_sides_.resize(sides_.size());
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    search_sides_[i].first_portal = sides_[i].first_portal;
+    search_sides_[i].portals = sides_[i].portals;
+    search_sides_[i].ltrs = sides_[i].ltrs;
+  }
   for (std::size_t number = 0; number < ltrs_.size(); ++number) {
     const GraphLtr& from = ltrs_[number];
     SearchLtr& to = search_ltrs_[number];
     if (from.matrix) to.costs = from.matrix->row(0);
     to.factor = static_cast<float>(from.factor);
     to.size = from.first_portal[3];
+    to.sides = from.sides;
     for (std::size_t k = 0; k < 3; ++k) {
       to.first_portal[k + 1] = static_cast<std::uint16_t>(from.first_portal[k + 1]);
       if (from.sides[k] == kNone) continue;
-      const GraphSide& of = side(from.sides[k]);
-      to.offsets[k] = of.first_portal - from.first_portal[k];
-      const std::size_t end = of.ltrs[0] == static_cast<int>(number) ? 0 : 1;
-      for (int i = 0; i < of.portals; ++i) {
-        SearchPortal& portal = search_portals_[std::size_t(of.first_portal + i)];
-        portal.ltrs[end] = static_cast<int>(number);
-        portal.index[end] = static_cast<std::uint16_t>(from.first_portal[k] + i);
-      }
+      SearchSide& side = search_sides_[std::size_t(from.sides[k])];
+      side.index[side.ltrs[0] == static_cast<int>(number) ? 0 : 1] = to.first_portal[k];
     }
   }
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    search_portals_[i].place = (places_[i] - low_).cast<float>();
+  search_places_.reserve(places_.size());
+  for (const Eigen::Vector2d& place : places_) {
+    search_places_.emplace_back((place - low_).cast<float>());
+  }
+  for (SearchSide& side : search_sides_) addCrossings(side);
+}
+
+void DoorGraph::addCrossings(SearchSide& side) {
+  const CellCosts* costs[2];
+  for (std::size_t end = 0; end < 2; ++end) {
+    costs[end] = ltr(side.ltrs[end]).costs.get();
+    if (costs[end] == nullptr || !costs[end]->isDirected()) return;
+  }
+  side.crossing = static_cast<int>(crossings_.size() / 2);
+  for (int i = 0; i < side.portals; ++i) {
+    int cells[2];
+    for (std::size_t end = 0; end < 2; ++end) {
+      cells[end] = costs[end]->grid().index(localOf(side.ltrs[end], side.first_portal + i));
+    }
+    for (const std::size_t end : {0U, 1U}) {
+      crossings_.push_back(
+          searchLtr(side.ltrs[end]).factor *
+          CellCosts::passing(*costs[1 - end], cells[1 - end], *costs[end], cells[end]));
+    }
   }
 }
 
@@ -113,6 +143,28 @@ Triangle::Local DoorGraph::localOf(int ltr_number, int portal) const {
   const int k = of.sides[0] == number ? 0 : of.sides[1] == number ? 1 : 2;
   return placeOnSide(of.view, k,
                      side(number).doors->portals[std::size_t(portal - side(number).first_portal)]);
+}
+
+int DoorGraph::portalAt(int ltr_number, int index) const {
+  const GraphLtr& of = ltr(ltr_number);
+  const std::size_t k = index < of.first_portal[1] ? 0 : index < of.first_portal[2] ? 1 : 2;
+  return side(of.sides[k]).first_portal + index - of.first_portal[k];
+}
+
+std::vector<Triangle::Local> DoorGraph::portalsOf(int ltr_number) const {
+  std::vector<Triangle::Local> portals;
+  for (int i = 0; i < ltr(ltr_number).first_portal[3]; ++i) {
+    portals.push_back(localOf(ltr_number, portalAt(ltr_number, i)));
+  }
+  return portals;
+}
+
+std::vector<Triangle::Local> DoorGraph::wayBetween(int ltr_number, int from, int to) const {
+  std::vector<Triangle::Local> way =
+      ltr(ltr_number).matrix->turns(portalIn(ltr_number, from), portalIn(ltr_number, to));
+  way.insert(way.begin(), localOf(ltr_number, from));
+  way.push_back(localOf(ltr_number, to));
+  return way;
 }
 
 std::uint64_t DoorGraph::doorOf(int portal) const {
@@ -212,6 +264,10 @@ double DoorGraph::integrate(int start_ltr, const Eigen::Vector2d& from, const Ei
     }
     at = leave;
     number = here.neighbours[std::size_t(exit)];
+    if (number != kNone) {
+      sum += (weighted ? ltr(number).factor : 1.0) *
+             crossingCost(here, ltr(number), from + at * (to - from));
+    }
   }
   return kNoPassing;
 }
@@ -232,12 +288,12 @@ double DoorGraph::integrateFromAny(int start_ltr, const Eigen::Vector2d& from,
 }
 
 std::size_t DoorGraph::bytes() const {
-  std::size_t sum = sizeof(*this) + ltrs_.capacity() * sizeof(GraphLtr) +
-                    sides_.capacity() * sizeof(GraphSide) +
-                    places_.capacity() * (sizeof(Eigen::Vector2d) + sizeof(int)) +
-                    search_ltrs_.capacity() * sizeof(SearchLtr) +
-                    search_portals_.capacity() * sizeof(SearchPortal) +
-                    (bucket_starts_.capacity() + bucket_ltrs_.capacity()) * sizeof(int);
+  std::size_t sum =
+      sizeof(*this) + ltrs_.capacity() * sizeof(GraphLtr) + sides_.capacity() * sizeof(GraphSide) +
+      places_.capacity() * (sizeof(Eigen::Vector2d) + sizeof(int)) +
+      search_ltrs_.capacity() * sizeof(SearchLtr) + search_sides_.capacity() * sizeof(SearchSide) +
+      search_places_.capacity() * sizeof(Eigen::Vector2f) + crossings_.capacity() * sizeof(float) +
+      (bucket_starts_.capacity() + bucket_ltrs_.capacity()) * sizeof(int);
   for (const GraphLtr& ltr : ltrs_) {
     if (ltr.costs) sum += ltr.costs->bytes();
     if (ltr.matrix) sum += ltr.matrix->bytes();

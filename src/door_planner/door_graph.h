@@ -39,16 +39,17 @@ struct GraphSide {
 struct SearchLtr {
   const float* costs = nullptr;  ///< rows of its matrix; null without one
   float factor = 1.0F;
-  int size = 0;                  ///< of a row
-  std::array<int, 3> offsets{};  ///< of a side's portals in the graph against those in the row
-  std::array<std::uint16_t, 4> first_portal{};
+  int size = 0;  ///< of a row
+  std::array<int, 3> sides{kNone, kNone, kNone};
+  std::array<std::uint16_t, 4> first_portal{};  ///< of a side in a row
 };
 
-/// And of a portal: its LTRs, and its numbers among their portals.
-struct SearchPortal {
+/// And of a side: its portals in the graph, its LTRs, and where its portals stand in their rows.
+struct SearchSide {
+  int first_portal = 0, portals = 0;
   std::array<int, 2> ltrs{kNone, kNone};
   std::array<std::uint16_t, 2> index{};
-  Eigen::Vector2f place{0.0F, 0.0F};  ///< from origin()
+  int crossing = kNone;  ///< of its first portal among the graph's crossings
 };
 
 /// A place in an LTR, by its number in the graph.
@@ -78,10 +79,20 @@ class DoorGraph {
   /// The portal's number among those of one of its LTRs.
   int portalIn(int ltr, int portal) const;
   Triangle::Local localOf(int ltr, int portal) const;
+  /// The portal that is the `index`-th of an LTR, and places of all of them.
+  int portalAt(int ltr, int index) const;
+  std::vector<Triangle::Local> portalsOf(int ltr) const;
+  /// The way that the LTR's matrix keeps, both ends included.
+  std::vector<Triangle::Local> wayBetween(int ltr, int from, int to) const;
 
   const SearchLtr& searchLtr(int number) const { return search_ltrs_[std::size_t(number)]; }
-  const SearchPortal& searchPortal(int portal) const {
-    return search_portals_[std::size_t(portal)];
+  const SearchSide& searchSide(int number) const { return search_sides_[std::size_t(number)]; }
+  /// Places of portals, from origin().
+  const Eigen::Vector2f* searchPlaces() const { return search_places_.data(); }
+  /// What it costs to enter one of a side's LTRs (`end`) through the `i`-th portal, because a layer
+  /// rises or falls from the other LTR to it.
+  float crossing(const SearchSide& side, int i, std::size_t end) const {
+    return side.crossing == kNone ? 0.0F : crossings_[2 * std::size_t(side.crossing + i) + end];
   }
   /// In map, near all LTRs [m].
   const Eigen::Vector2d& origin() const { return low_; }
@@ -117,6 +128,7 @@ class DoorGraph {
   void numberPortals();
   void index();
   void prepareSearch();
+  void addCrossings(SearchSide& side);
   std::int64_t bucketOf(const Eigen::Vector2d& point) const;
 
   std::vector<GraphLtr> ltrs_;
@@ -124,7 +136,9 @@ class DoorGraph {
   std::vector<Eigen::Vector2d> places_;  ///< of portals
   std::vector<int> side_of_portal_;
   std::vector<SearchLtr> search_ltrs_;
-  std::vector<SearchPortal> search_portals_;
+  std::vector<SearchSide> search_sides_;
+  std::vector<Eigen::Vector2f> search_places_;
+  std::vector<float> crossings_;  ///< by portal of sides that need them, then end
   double least_ = kNoPassing;
   double max_metric_error_ = 0.02;
 

@@ -1,23 +1,45 @@
 #include "door_planner/door_planner_config.h"
 
 #include <cmath>
+#include <map>
+#include <set>
 #include <sstream>
 
 namespace hymm::core {
 namespace {
 
-/// One entry "NAME WEIGHT", "NAME climb WEIGHT" or "NAME forbidden THRESHOLD"; false if it is none.
+constexpr const char* kForms =
+    "NAME WEIGHT, NAME climb WEIGHT, NAME one_way WEIGHT or NAME forbidden THRESHOLD with a number "
+    "that is not negative";
+
+/// One entry; false if it is none.
 bool readWeight(const std::string& entry, PropertyWeight& weight) {
+  using Kind = PropertyWeight::Kind;
+  static const std::map<std::string, Kind> kKinds{
+      {"climb", Kind::kClimb}, {"one_way", Kind::kOneWay}, {"forbidden", Kind::kForbidden}};
   std::istringstream words(entry);
   std::string word;
   if (!(words >> weight.property >> word)) return false;
-  if (word == "climb" || word == "forbidden") {
-    weight.kind = word == "climb" ? PropertyWeight::Kind::kClimb : PropertyWeight::Kind::kForbidden;
+  const auto kind = kKinds.find(word);
+  if (kind != kKinds.end()) {
+    weight.kind = kind->second;
     if (!(words >> word)) return false;
   }
   std::istringstream number(word);
   const bool is_number = static_cast<bool>(number >> weight.weight) && number.eof();
-  return is_number && !(words >> word) && std::isfinite(weight.weight) && weight.weight >= 0.0;
+  const bool is_usable = weight.isDirected() || weight.property.find('>') == std::string::npos;
+  return is_number && !(words >> word) && std::isfinite(weight.weight) && weight.weight >= 0.0 &&
+         is_usable;
+}
+
+/// Calls `visit(entry)` for what semicolons part, but for what is blank.
+template <class Visitor>
+void visitEntries(const std::string& text, Visitor&& visit) {
+  std::istringstream entries(text);
+  std::string entry;
+  while (std::getline(entries, entry, ';')) {
+    if (entry.find_first_not_of(" \t") != std::string::npos) visit(entry);
+  }
 }
 
 }  // namespace
@@ -33,28 +55,61 @@ void PathCostConfig::describe(ConfigSchema& schema) {
   schema.number("unknown", unknown, Range::notNegative(),
                 "of a metre in addition where the occupancy is not known");
   schema.flag("unknown_is_occupied", unknown_is_occupied, "nothing passes where it is not known");
-  schema.text("properties", properties,
-              "cost of further layers, as 'NAME WEIGHT; NAME climb WEIGHT; NAME forbidden "
-              "THRESHOLD': of a metre times the layer's value, of a metre that the layer's value "
-              "rises, or no passing from that value on; a category is named LAYER.CATEGORY");
+  schema.text(
+      "properties", properties,
+      "cost of further layers, as 'NAME WEIGHT; NAME climb WEIGHT; NAME one_way WEIGHT; NAME "
+      "forbidden THRESHOLD': of a metre times the layer's value, of each unit that it rises, "
+      "or falls, or no passing from that value on; a category is named LAYER.CATEGORY, going "
+      "from A to B, which falls the other way, LAYER.A>B");
+}
+
+std::optional<std::pair<std::string, std::string>> PropertyWeight::categories() const {
+  const std::size_t arrow = property.find('>'), dot = property.find('.');
+  if (arrow == std::string::npos || dot == std::string::npos || dot > arrow) return std::nullopt;
+  return std::make_pair(property.substr(0, arrow),
+                        property.substr(0, dot + 1) + property.substr(arrow + 1));
 }
 
 std::vector<PropertyWeight> PathCostConfig::weights(std::vector<std::string>& problems) const {
   std::vector<PropertyWeight> weights;
-  std::istringstream entries(properties);
-  std::string entry;
-  while (std::getline(entries, entry, ';')) {
-    if (entry.find_first_not_of(" \t") == std::string::npos) continue;
+  visitEntries(properties, [&](const std::string& entry) {
     PropertyWeight weight;
     if (readWeight(entry, weight)) {
       weights.push_back(weight);
     } else {
-      problems.push_back("cost.properties: '" + entry +
-                         "' is not NAME WEIGHT, NAME climb WEIGHT or NAME forbidden THRESHOLD with "
-                         "a number that is not negative.");
+      problems.push_back("cost.properties: '" + entry + "' is not " + kForms + ".");
     }
-  }
+  });
   return weights;
+}
+
+PathCostConfig PathCostConfig::with(const std::string& text,
+                                    std::vector<std::string>& problems) const {
+  PathCostConfig made = *this;
+  std::map<std::string, double*> own{
+      {"distance", &made.distance}, {"occupancy", &made.occupancy}, {"unknown", &made.unknown}};
+  std::set<std::string> named;
+  std::string added;
+  visitEntries(text, [&](const std::string& entry) {
+    PropertyWeight weight;
+    if (!readWeight(entry, weight)) {
+      problems.push_back("weights: '" + entry + "' is not " + kForms + ".");
+    } else if (own.count(weight.property) > 0 && weight.kind == PropertyWeight::Kind::kPerMetre) {
+      *own[weight.property] = weight.weight;
+    } else {
+      named.insert(weight.property);
+      added += entry + ";";
+    }
+  });
+  made.properties.clear();
+  visitEntries(properties, [&](const std::string& entry) {
+    PropertyWeight weight;
+    if (readWeight(entry, weight) && named.count(weight.property) == 0) {
+      made.properties += entry + ";";
+    }
+  });
+  made.properties += added;
+  return made;
 }
 
 void PlannedVehicleConfig::describe(ConfigSchema& schema) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,12 +15,18 @@ namespace hymm::core {
 struct PropertyWeight {
   enum class Kind {
     kPerMetre,   ///< times the property's value
-    kClimb,      ///< a metre that the property rises costs this; falling costs nothing
+    kClimb,      ///< each unit that the property rises costs this; falling costs nothing
+    kOneWay,     ///< each unit that it falls costs this; rising costs nothing
     kForbidden,  ///< where the value is at least `weight`, nothing passes
   };
   std::string property;
   Kind kind = Kind::kPerMetre;
   double weight = 0.0;
+
+  bool isDirected() const { return kind == Kind::kClimb || kind == Kind::kOneWay; }
+  /// Of a property "LAYER.A>B" the names "LAYER.A" and "LAYER.B": cells of category A count as 0,
+  /// those of B as 1, others as unknown.
+  std::optional<std::pair<std::string, std::string>> categories() const;
 };
 
 /// What a metre costs (11). Free and known ground without further properties costs `distance`.
@@ -36,6 +43,10 @@ struct PathCostConfig {
 
   /// `properties` taken apart; adds a sentence to `problems` for each that cannot be used.
   std::vector<PropertyWeight> weights(std::vector<std::string>& problems) const;
+
+  /// These costs with what `text` names in place of what they say: entries as in `properties`, and
+  /// "distance WEIGHT", "occupancy WEIGHT", "unknown WEIGHT".
+  PathCostConfig with(const std::string& text, std::vector<std::string>& problems) const;
 };
 
 struct PlannedVehicleConfig {

@@ -8,221 +8,191 @@ namespace hymm::core {
 namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
+/// Ways are some percent dearer than the bound: some hundred buckets.
 constexpr float kBucketsPerLowest = 8192.0F;
-constexpr double kAdmittedEvery_m = 0.25;
+/// Portals of a side are taken up together if their totals differ by no more than this share.
+constexpr float kTogether = 0.001F;
 constexpr std::size_t kExpansionsBetweenStops = 1024;
-
-std::vector<Triangle::Local> portalsOf(const DoorGraph& graph, int ltr_number) {
-  std::vector<Triangle::Local> portals;
-  for (const int number : graph.ltr(ltr_number).sides) {
-    if (number == kNone) continue;
-    const GraphSide& side = graph.side(number);
-    for (int i = 0; i < side.portals; ++i) {
-      portals.push_back(graph.localOf(ltr_number, side.first_portal + i));
-    }
-  }
-  return portals;
-}
-
-/// The portal of the graph that is the `index`-th of an LTR.
-int portalAt(const DoorGraph& graph, int ltr_number, int index) {
-  const GraphLtr& ltr = graph.ltr(ltr_number);
-  const std::size_t k = index < ltr.first_portal[1] ? 0 : index < ltr.first_portal[2] ? 1 : 2;
-  return graph.side(ltr.sides[k]).first_portal + index - ltr.first_portal[k];
-}
 
 }  // namespace
 
-void DoorSearch::begin(const DoorGraph& graph) {
+void DoorSearch::begin(const DoorGraph& graph, const GraphPlace& start, const GraphPlace& goal) {
   graph_ = &graph;
   for (std::vector<Entry>& bucket : buckets_) bucket.clear();
   first_bucket_ = 0;
-  if (labels_.size() < std::size_t(graph.portalCount()) ||
+  if (labels_.size() < std::size_t(graph.portalCount()) || states_.size() < graph.sides().size() ||
       query_ == std::numeric_limits<std::uint32_t>::max()) {
-    labels_.assign(std::size_t(graph.portalCount()), Label());
+    labels_.resize(std::size_t(graph.portalCount()));
+    states_.assign(graph.sides().size(), SideState());
     query_ = 0;
   }
   ++query_;
+  const auto placeOf = [&](const GraphPlace& place) {
+    return Eigen::Vector2f(
+        (graph.ltr(place.ltr).triangle.toGlobal(place.local) - graph.origin()).cast<float>());
+  };
+  goal_ = placeOf(goal);
   // Rounded down, so that the bound stays one.
   least_ = static_cast<float>(graph.leastPerMetre() * (1.0 - 1e-6));
+  lowest_ = least_ * (placeOf(start) - goal_).norm();
+  buckets_per_cost_ = kBucketsPerLowest / std::max(lowest_, 1.0F);
+  together_ = kTogether * lowest_;
+  limit_ = kInfinite;
+  last_ = kStart;
 }
 
-void DoorSearch::open(int portal) {
-  Label& label = labels_[std::size_t(portal)];
-  const float bound = least_ * (graph_->searchPortal(portal).place - goal_).norm();
-  label = {kInfinite, bound, 2 * kStart, query_};
-  // Nothing is cheaper than that: it stays out.
-  if (options_->admits && !options_->admits(graph_->placeOf(portal))) label.cost = -kInfinite;
+void DoorSearch::open(int number) {
+  states_[std::size_t(number)] = {kInfinite, query_};
+  const SearchSide& side = graph_->searchSide(number);
+  for (int portal = side.first_portal; portal < side.first_portal + side.portals; ++portal) {
+    const float bound = least_ * (graph_->searchPlaces()[portal] - goal_).norm();
+    // Nothing is cheaper than minus infinity: what is not admitted stays out.
+    const bool is_open = !options_->admits || options_->admits(graph_->placeOf(portal));
+    labels_[std::size_t(portal)] = {is_open ? kInfinite : -kInfinite, bound,
+                                    is_open ? kInfinite : -kInfinite, 2 * kStart};
+  }
 }
 
-void DoorSearch::offer(int portal, float cost, int parent, int through) {
-  Label& label = labels_[std::size_t(portal)];
-  if (label.query != query_) open(portal);
-  if (!(cost < label.cost)) return;
-  label.cost = cost;
-  label.parent = 2 * parent + (graph_->searchPortal(portal).ltrs[0] == through ? 0 : 1);
-  const float over = std::max(0.0F, (cost + label.bound - lowest_) * buckets_per_cost_);
+void DoorSearch::enqueue(int side, float total) {
+  SideState& state = states_[std::size_t(side)];
+  if (!(total < state.queued) || total >= limit_) return;
+  state.queued = total;
+  const float over = std::max(0.0F, (total - lowest_) * buckets_per_cost_);
   const std::size_t bucket = std::max(first_bucket_, std::size_t(over));
   if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
-  buckets_[bucket].push_back({cost, portal});
+  buckets_[bucket].push_back({total, side});
 }
 
-/// The next portal to take up, unless it leads to nothing cheaper than `limit`.
-bool DoorSearch::next(float limit, Entry& entry) {
+void DoorSearch::offerStart(const GraphPlace& start, const PlaceLink& from) {
+  const GraphLtr& ltr = graph_->ltr(start.ltr);
+  for (std::size_t i = 0; i < from.ways.size(); ++i) {
+    if (!from.ways[i].exists()) continue;
+    const int portal = graph_->portalAt(start.ltr, static_cast<int>(i));
+    const int side = graph_->sideOf(portal);
+    if (states_[std::size_t(side)].query != query_) open(side);
+    Label& label = labels_[std::size_t(portal)];
+    const auto cost = static_cast<float>(ltr.factor * from.ways[i].cost);
+    if (!(cost < label.cost)) continue;
+    label.cost = cost;
+    label.parent = 2 * kStart + (graph_->searchSide(side).ltrs[0] == start.ltr ? 0 : 1);
+    enqueue(side, label.total());
+  }
+}
+
+/// The next side to take up, unless it leads to nothing cheaper than what is known.
+bool DoorSearch::next(Entry& entry) {
   for (; first_bucket_ < buckets_.size(); ++first_bucket_) {
-    if (lowest_ + static_cast<float>(first_bucket_) / buckets_per_cost_ >= limit) return false;
+    if (lowest_ + static_cast<float>(first_bucket_) / buckets_per_cost_ >= limit_) return false;
     std::vector<Entry>& bucket = buckets_[first_bucket_];
     while (!bucket.empty()) {
       entry = bucket.back();
       bucket.pop_back();
-      const Label& label = labels_[std::size_t(entry.portal)];
-      if (entry.cost == label.cost && entry.cost + label.bound < limit) return true;
+      SideState& state = states_[std::size_t(entry.side)];
+      if (entry.total != state.queued) continue;
+      state.queued = kInfinite;
+      if (entry.total < limit_) return true;
     }
   }
   return false;
 }
 
-bool DoorSearch::admits(int ltr_number, const std::vector<Triangle::Local>& points) const {
-  if (!options_->admits) return true;
-  const Triangle& triangle = graph_->ltr(ltr_number).triangle;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const Eigen::Vector2d from = triangle.toGlobal(points[i - 1]);
-    const Eigen::Vector2d along = triangle.toGlobal(points[i]) - from;
-    const int parts = std::max(1, static_cast<int>(std::ceil(along.norm() / kAdmittedEvery_m)));
-    for (int k = 0; k <= parts; ++k) {
-      if (!options_->admits(from + along * k / parts)) return false;
-    }
-  }
-  return true;
-}
-
-bool DoorSearch::admitsWay(int ltr, int from, int to) const {
-  return admits(ltr, wayBetween(ltr, from, to));
-}
-
-std::vector<Triangle::Local> DoorSearch::wayBetween(int ltr, int from, int to) const {
-  std::vector<Triangle::Local> way =
-      graph_->ltr(ltr).matrix->turns(graph_->portalIn(ltr, from), graph_->portalIn(ltr, to));
-  way.insert(way.begin(), graph_->localOf(ltr, from));
-  way.push_back(graph_->localOf(ltr, to));
-  return way;
-}
-
-// As with cost matrices: what is cheaper through another portal goes that way.
-void DoorSearch::close(int ltr_number, LocalSearch::Direction direction,
-                       std::vector<LocalPath>& paths) const {
-  const GraphLtr& ltr = graph_->ltr(ltr_number);
-  if (!ltr.matrix) return;
-  const bool is_from = direction == LocalSearch::Direction::kFrom;
-  for (int via = 0; via < ltr.matrix->size(); ++via) {
-    for (int end = 0; end < ltr.matrix->size(); ++end) {
-      const auto between =
-          static_cast<double>(is_from ? ltr.matrix->cost(via, end) : ltr.matrix->cost(end, via));
-      const double around = paths[std::size_t(via)].cost + between;
-      LocalPath& path = paths[std::size_t(end)];
-      if (via == end || !(around < path.cost * (1.0 - 1e-6))) continue;
-      const int first = portalAt(*graph_, ltr_number, is_from ? via : end);
-      const int second = portalAt(*graph_, ltr_number, is_from ? end : via);
-      std::vector<Triangle::Local> way = wayBetween(ltr_number, first, second);
-      const std::vector<Triangle::Local>& rest = paths[std::size_t(via)].points;
-      if (is_from) {
-        way.insert(way.begin(), rest.begin(), rest.end() - 1);
-      } else {
-        way.insert(way.end(), rest.begin() + 1, rest.end());
-      }
-      path = {around, std::move(way)};
-    }
-  }
-  for (LocalPath& path : paths) {
-    if (path.exists() && !admits(ltr_number, path.points)) path = {};
-  }
-}
-
 // The way to a portal came through one of its LTRs; on through the same it would be no cheaper than
 // straight there, because cost matrices obey the triangle inequality. So it goes on through the
 // other.
-void DoorSearch::expand(int portal) {
+void DoorSearch::expand(int number, int portal) {
+  const SearchSide& side = graph_->searchSide(number);
   const Label& label = labels_[std::size_t(portal)];
-  const float reached = label.cost;
-  const SearchPortal& from = graph_->searchPortal(portal);
-  const std::size_t end = label.end() == 0 ? 1 : 0;
-  const int next = from.ltrs[end];
-  const SearchLtr& ltr = graph_->searchLtr(next);
+  const std::size_t end = 1 - label.end();
+  const int through = side.ltrs[end];
+  const SearchLtr& ltr = graph_->searchLtr(through);
   if (ltr.costs == nullptr) return;
-  const float* row = ltr.costs + std::ptrdiff_t{from.index[end]} * ltr.size;
+  const int i = portal - side.first_portal;
+  const float reached = label.cost + graph_->crossing(side, i, end);
+  const float* row = ltr.costs + std::ptrdiff_t{side.index[end] + i} * ltr.size;
   for (std::size_t k = 0; k < 3; ++k) {
-    for (int i = ltr.first_portal[k]; i < ltr.first_portal[k + 1]; ++i) {
-      const float cost = reached + ltr.factor * row[i];
-      const int to = ltr.offsets[k] + i;
-      const Label& known = labels_[std::size_t(to)];
-      if (!(cost < (known.query == query_ ? known.cost : kInfinite))) continue;
-      if (options_->admits && !admitsWay(next, portal, to)) continue;
-      offer(to, cost, portal, next);
+    if (ltr.sides[k] == kNone) continue;
+    const SearchSide& to = graph_->searchSide(ltr.sides[k]);
+    if (states_[std::size_t(ltr.sides[k])].query != query_) open(ltr.sides[k]);
+    const float* costs = row + ltr.first_portal[k];
+    Label* labels = labels_.data() + to.first_portal;
+    float total = kInfinite;
+    for (int j = 0; j < to.portals; ++j) {
+      const float cost = reached + ltr.factor * costs[j];
+      if (!(cost < labels[j].cost)) continue;
+      if (options_->admits &&
+          !admitsAll(*graph_, through, graph_->wayBetween(through, portal, to.first_portal + j),
+                     options_->admits)) {
+        continue;
+      }
+      labels[j].cost = cost;
+      labels[j].parent = 2 * portal + (to.ltrs[0] == through ? 0 : 1);
+      total = std::min(total, labels[j].total());
     }
+    enqueue(ltr.sides[k], total);
   }
+}
+
+void DoorSearch::takeUp(const Entry& entry, const GraphPlace& goal, const PlaceLink& to,
+                        DoorRoute& route) {
+  const SearchSide& side = graph_->searchSide(entry.side);
+  const bool is_last = side.ltrs[0] == goal.ltr || side.ltrs[1] == goal.ltr;
+  float rest = kInfinite;
+  for (int i = 0; i < side.portals; ++i) {
+    const int portal = side.first_portal + i;
+    Label& label = labels_[std::size_t(portal)];
+    if (!label.isPending()) continue;
+    if (label.total() > entry.total + together_) {
+      rest = std::min(rest, label.total());
+      continue;
+    }
+    label.expanded = label.cost;
+    ++route.expanded;
+    if (is_last) {
+      const std::size_t end = side.ltrs[0] == goal.ltr ? 0 : 1;
+      const float entered = label.end() == end ? 0.0F : graph_->crossing(side, i, end);
+      const LocalPath& way = to.ways[std::size_t(side.index[end] + i)];
+      const auto total =
+          label.cost + entered + static_cast<float>(graph_->ltr(goal.ltr).factor * way.cost);
+      if (total < limit_) {
+        limit_ = total;
+        last_ = portal;
+      }
+    }
+    expand(entry.side, portal);
+  }
+  enqueue(entry.side, rest);
 }
 
 SearchOutcome DoorSearch::find(const DoorGraph& graph, const GraphPlace& start,
                                const GraphPlace& goal, const Options& options, DoorRoute& route) {
-  begin(graph);
   options_ = &options;
-  goal_ = (graph.ltr(goal.ltr).triangle.toGlobal(goal.local) - graph.origin()).cast<float>();
-  const Eigen::Vector2d start_place = graph.ltr(start.ltr).triangle.toGlobal(start.local);
-  lowest_ = least_ * ((start_place - graph.origin()).cast<float>() - goal_).norm();
-  // Ways are some percent dearer than the bound: some hundred buckets.
-  buckets_per_cost_ = kBucketsPerLowest / std::max(lowest_, 1.0F);
-  const GraphLtr& first = graph.ltr(start.ltr);
-  const GraphLtr& last = graph.ltr(goal.ltr);
-
-  std::vector<Triangle::Local> targets = portalsOf(graph, start.ltr);
-  if (start.ltr == goal.ltr) targets.push_back(goal.local);
-  LocalSearch from(first.triangle, *first.costs, graph.maxMetricError());
-  from_start_ = from.find(start.local, targets);
-  direct_ = {};
-  if (start.ltr == goal.ltr) {
-    direct_ = std::move(from_start_.back());
-    from_start_.pop_back();
-    if (direct_.exists() && !admits(start.ltr, direct_.points)) direct_ = {};
-  }
-  close(start.ltr, LocalSearch::Direction::kFrom, from_start_);
-  LocalSearch to(last.triangle, *last.costs, graph.maxMetricError());
-  to_goal_ = to.find(goal.local, portalsOf(graph, goal.ltr), LocalSearch::Direction::kTo);
-  close(goal.ltr, LocalSearch::Direction::kTo, to_goal_);
-
-  for (std::size_t i = 0; i < from_start_.size(); ++i) {
-    if (!from_start_[i].exists()) continue;
-    offer(portalAt(graph, start.ltr, static_cast<int>(i)),
-          static_cast<float>(first.factor * from_start_[i].cost), kStart, start.ltr);
-  }
-  double best = direct_.exists() ? first.factor * direct_.cost : kNoPassing;
-  int best_last = kStart;
   route = {};
-  Entry entry{};
-  while (next(static_cast<float>(best), entry)) {
-    const Label& label = labels_[std::size_t(entry.portal)];
-    if (++route.expanded % kExpansionsBetweenStops == 0 && options.stop && options.stop()) {
-      return SearchOutcome::kStopped;
-    }
-    const SearchPortal& portal = graph.searchPortal(entry.portal);
-    if (portal.ltrs[0] == goal.ltr || portal.ltrs[1] == goal.ltr) {
-      const LocalPath& end = to_goal_[std::size_t(graph.portalIn(goal.ltr, entry.portal))];
-      const double total = static_cast<double>(label.cost) + last.factor * end.cost;
-      if (total < best) {
-        best = total;
-        best_last = entry.portal;
-      }
-    }
-    expand(entry.portal);
+  begin(graph, start, goal);
+  const PlaceLink from(graph, start, LocalSearch::Direction::kFrom, options.admits,
+                       start.ltr == goal.ltr ? &goal : nullptr);
+  const PlaceLink to(graph, goal, LocalSearch::Direction::kTo, options.admits);
+  if (from.direct.exists()) {
+    limit_ = static_cast<float>(graph.ltr(start.ltr).factor * from.direct.cost);
   }
-  if (best == kNoPassing) return SearchOutcome::kNoWay;
-  route.cost = best;
-  trace(start, goal, best_last, route);
+  offerStart(start, from);
+  Entry entry{};
+  std::size_t asked = 0;
+  while (next(entry)) {
+    if (options.stop && route.expanded >= asked + kExpansionsBetweenStops) {
+      asked = route.expanded;
+      if (options.stop()) return SearchOutcome::kStopped;
+    }
+    takeUp(entry, goal, to, route);
+  }
+  if (limit_ == kInfinite) return SearchOutcome::kNoWay;
+  route.cost = static_cast<double>(limit_);
+  trace(start, goal, from, to, route);
   return SearchOutcome::kFound;
 }
 
-void DoorSearch::trace(const GraphPlace& start, const GraphPlace& goal, int last,
-                       DoorRoute& route) const {
-  for (int portal = last; portal != kStart; portal = labels_[std::size_t(portal)].from()) {
+void DoorSearch::trace(const GraphPlace& start, const GraphPlace& goal, const PlaceLink& from,
+                       const PlaceLink& to, DoorRoute& route) const {
+  for (int portal = last_; portal != kStart; portal = labels_[std::size_t(portal)].from()) {
     route.portals.push_back(portal);
   }
   std::reverse(route.portals.begin(), route.portals.end());
@@ -232,21 +202,21 @@ void DoorSearch::trace(const GraphPlace& start, const GraphPlace& goal, int last
   };
   route.waypoints.push_back({start});
   if (route.portals.empty()) {
-    addPath(start.ltr, direct_.points);
+    addPath(start.ltr, from.direct.points);
     return;
   }
   for (std::size_t i = 0; i < route.portals.size(); ++i) {
     const int portal = route.portals[i];
-    const int ltr =
-        graph_->searchPortal(portal).ltrs[std::size_t(labels_[std::size_t(portal)].end())];
+    const SearchSide& side = graph_->searchSide(graph_->sideOf(portal));
+    const int ltr = side.ltrs[labels_[std::size_t(portal)].end()];
     if (i == 0) {
-      addPath(ltr, from_start_[std::size_t(graph_->portalIn(ltr, portal))].points);
+      addPath(ltr, from.ways[std::size_t(graph_->portalIn(ltr, portal))].points);
     } else {
-      addPath(ltr, wayBetween(ltr, route.portals[i - 1], portal));
+      addPath(ltr, graph_->wayBetween(ltr, route.portals[i - 1], portal));
     }
     route.waypoints.back().portal = portal;
   }
-  addPath(goal.ltr, to_goal_[std::size_t(graph_->portalIn(goal.ltr, last))].points);
+  addPath(goal.ltr, to.ways[std::size_t(graph_->portalIn(goal.ltr, last_))].points);
 }
 
 }  // namespace hymm::core

@@ -34,7 +34,6 @@ bool LocalSearch::hasItsCentreInside(int i, int j) const {
   return (i + 0.5) / grid.alphaCells() + (j + 0.5) / grid.betaCells() <= 1.0 + kBorderTolerance;
 }
 
-// All costs of steps once: every search from one of the many portals reads them.
 void LocalSearch::prepare() {
   is_prepared_ = true;
   const std::vector<CellStep>& steps = metric_.steps();
@@ -42,40 +41,46 @@ void LocalSearch::prepare() {
   const TriangularGrid& grid = costs_.grid();
   stride_ = grid.alphaCells() + 2 * pad_;
   rows_ = grid.betaCells() + 2 * pad_;
-  std::vector<float> padded(std::size_t(stride_) * std::size_t(rows_), kInfinite);
-  std::vector<float> climbs(costs_.isDirected() ? padded.size() : 0, 0.0F);
-  std::vector<bool> is_node(padded.size(), false);
+  per_metre_.assign(std::size_t(stride_) * std::size_t(rows_), kInfinite);
+  cells_.assign(per_metre_.size(), -1);
+  first_step_.assign(per_metre_.size(), -1);
   int cell = 0;
   for (int j = 0; j < grid.betaCells(); ++j) {
     for (int i = 0; i < grid.rowLength(j); ++i, ++cell) {
+      if (!costs_.isPassable(cell)) continue;
       const std::size_t place = std::size_t(paddedIndex(i, j));
-      if (costs_.isPassable(cell)) padded[place] = costs_.perMetre(cell);
-      is_node[place] = costs_.isPassable(cell) && hasItsCentreInside(i, j);
-      if (!climbs.empty()) climbs[place] = costs_.climb(cell);
+      per_metre_[place] = costs_.perMetre(cell);
+      if (hasItsCentreInside(i, j)) cells_[place] = cell;
     }
   }
   cheapest_step_ = kInfinite;
   for (const CellStep& step : steps) {
     cheapest_step_ = std::min(cheapest_step_, static_cast<float>(step.length_m));
+    step_offsets_.push_back(step.dj * stride_ + step.di);
   }
   cheapest_step_ *= static_cast<float>(costs_.leastPerMetre());
-  for (const CellStep& step : steps) step_offsets_.push_back(step.dj * stride_ + step.di);
-  step_costs_.assign(padded.size() * steps.size(), kInfinite);
-  for (std::size_t at = 0; at < padded.size(); ++at) {
-    if (!is_node[at]) continue;
+}
+
+// Made once: every search from one of the many portals of an LTR reads them.
+const float* LocalSearch::stepsFrom(int padded) {
+  const std::vector<CellStep>& steps = metric_.steps();
+  int& first = first_step_[std::size_t(padded)];
+  if (first < 0) {
+    first = static_cast<int>(step_costs_.size());
     for (std::size_t k = 0; k < steps.size(); ++k) {
-      const std::size_t to = std::size_t(std::ptrdiff_t(at) + step_offsets_[k]);
-      if (!is_node[to]) continue;
       float sum = 0.0F;
-      for (const CellStep::Pass& pass : steps[k].passes) {
-        const auto offset = std::ptrdiff_t{pass.dj} * stride_ + pass.di;
-        sum += static_cast<float>(pass.share) * padded[std::size_t(std::ptrdiff_t(at) + offset)];
+      if (cells_[std::size_t(padded + step_offsets_[k])] < 0) {
+        sum = kInfinite;
+      } else {
+        for (const CellStep::Pass& pass : steps[k].passes) {
+          sum += static_cast<float>(pass.share) *
+                 per_metre_[std::size_t(padded + pass.dj * stride_ + pass.di)];
+        }
       }
-      sum *= static_cast<float>(steps[k].length_m);
-      if (!climbs.empty()) sum += std::max(0.0F, climbs[to] - climbs[at]);
-      step_costs_[at * steps.size() + k] = sum;
+      step_costs_.push_back(sum * static_cast<float>(steps[k].length_m));
     }
   }
+  return step_costs_.data() + first;
 }
 
 /// Cells around a place: the one that it lies in and those that touch it.
@@ -104,36 +109,51 @@ LocalSearch::Link LocalSearch::bestLink(const Triangle::Local& other, Direction 
   return best;
 }
 
+// A*, the bound being the cheapest ground as the crow flies to the nearest that is looked for.
 void LocalSearch::spread(const Triangle::Local& place, Direction direction,
                          const std::vector<Triangle::Local>& others,
                          const std::vector<bool>& wanted) {
-  labels_.assign(std::size_t(stride_) * std::size_t(rows_), Label{kInfinite, -1});
+  labels_.assign(std::size_t(stride_) * std::size_t(rows_), Label{kInfinite, -1, -1.0F});
   for (std::vector<Entry>& bucket : buckets_) bucket.clear();
-  // As wide as a step is cheap at least: what is taken up too early is taken up again.
-  const float per_cost = 1.0F / std::max(cheapest_step_, 1e-6F);
-  const auto push = [&](float cost, int cell, int parent) {
-    Label& label = labels_[std::size_t(cell)];
-    if (cost >= label.cost) return;
-    label = {cost, parent};
-    const std::size_t bucket = std::size_t(cost * per_cost);
-    if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
-    buckets_[bucket].push_back({cost, cell});
-  };
-  visitNear(place, [&](int cell) {
-    push(static_cast<float>(oriented(place, placeOf(cell), direction)), cell, -1);
-  });
   // Cells at which the search may end; when all of them are reached it does.
   std::vector<bool> is_end(labels_.size(), false);
   std::size_t ends = 0;
+  std::vector<Eigen::Vector2f> targets;  // in m, from the triangle's first corner
   for (std::size_t i = 0; i < others.size(); ++i) {
     if (!wanted[i]) continue;
+    targets.push_back((edges_ * others[i]).cast<float>());
     visitNear(others[i], [&](int cell) {
       if (!is_end[std::size_t(cell)]) ++ends;
       is_end[std::size_t(cell)] = true;
     });
   }
-  const std::size_t steps = step_offsets_.size();
-  for (std::size_t bucket = 0; bucket < buckets_.size() && ends > 0; ++bucket) {
+  const auto least = static_cast<float>(costs_.leastPerMetre() * (1.0 - 1e-5));
+  const auto boundOf = [&](int cell) {
+    const Eigen::Vector2f here = (edges_ * placeOf(cell)).cast<float>();
+    float nearest = kInfinite;
+    for (const Eigen::Vector2f& target : targets) {
+      nearest = std::min(nearest, (target - here).squaredNorm());
+    }
+    return least * std::sqrt(nearest);
+  };
+  // As wide as a step is cheap at least: what is taken up too early is taken up again.
+  const float per_cost = 1.0F / std::max(cheapest_step_, 1e-6F);
+  std::size_t bucket = 0;
+  const auto push = [&](float cost, int cell, int parent) {
+    Label& label = labels_[std::size_t(cell)];
+    if (cost >= label.cost) return;
+    if (label.bound < 0.0F) label.bound = boundOf(cell);
+    label.cost = cost;
+    label.parent = parent;
+    const std::size_t to = std::max(bucket, std::size_t((cost + label.bound) * per_cost));
+    if (to >= buckets_.size()) buckets_.resize(to + 1);
+    buckets_[to].push_back({cost, cell});
+  };
+  visitNear(place, [&](int cell) {
+    push(static_cast<float>(oriented(place, placeOf(cell), direction)), cell, -1);
+  });
+  const bool is_directed = costs_.isDirected(), is_from = direction == Direction::kFrom;
+  for (; bucket < buckets_.size() && ends > 0; ++bucket) {
     while (!buckets_[bucket].empty()) {
       const auto [cost, cell] = buckets_[bucket].back();
       buckets_[bucket].pop_back();
@@ -142,13 +162,16 @@ void LocalSearch::spread(const Triangle::Local& place, Direction direction,
         is_end[std::size_t(cell)] = false;
         --ends;
       }
-      for (std::size_t k = 0; k < steps; ++k) {
+      const float* steps = stepsFrom(cell);
+      for (std::size_t k = 0; k < step_offsets_.size(); ++k) {
+        float step = steps[k];
+        if (!(step < kInfinite)) continue;
         const int next = cell + step_offsets_[k];
-        const float step = direction == Direction::kFrom
-                               ? step_costs_[std::size_t(cell) * steps + k]
-                               : step_costs_[std::size_t(next) * steps +
-                                             std::size_t(metric_.oppositeOf(static_cast<int>(k)))];
-        if (step < kInfinite) push(cost + step, next, cell);
+        if (is_directed) {
+          const int here = cells_[std::size_t(cell)], there = cells_[std::size_t(next)];
+          step += is_from ? costs_.passing(here, there) : costs_.passing(there, here);
+        }
+        push(cost + step, next, cell);
       }
     }
   }

@@ -18,8 +18,8 @@ struct LocalPath {
   bool exists() const { return cost < kNoPassing; }
 };
 
-/// Cheapest paths inside one LTR: Dijkstra over its passable cells, then pulled straight where that
-/// costs no more. Costs are integrals along the paths that are returned, not along cells.
+/// Cheapest paths inside one LTR: A* over its passable cells, then pulled straight where that costs
+/// no more. Costs are integrals along the paths that are returned, not along cells.
 class LocalSearch {
  public:
   enum class Direction { kFrom, kTo };
@@ -39,6 +39,7 @@ class LocalSearch {
   struct Label {
     float cost;
     int parent;
+    float bound;  ///< of what is left to the nearest of those that are looked for
   };
   struct Entry {
     float cost;
@@ -52,6 +53,7 @@ class LocalSearch {
   void prepare();
   void spread(const Triangle::Local& place, Direction direction,
               const std::vector<Triangle::Local>& others, const std::vector<bool>& wanted);
+  const float* stepsFrom(int padded);
   int paddedIndex(int i, int j) const { return (j + pad_) * stride_ + i + pad_; }
   Triangle::Local placeOf(int padded) const;
   /// Cells that the third side cuts before their centre are passed, but no path turns in them.
@@ -72,7 +74,12 @@ class LocalSearch {
   int pad_ = 0, stride_ = 0, rows_ = 0;
   bool is_prepared_ = false;
   std::vector<int> step_offsets_;
-  std::vector<float> step_costs_;  ///< by padded cell, then step; infinite where it cannot be taken
+  std::vector<float> per_metre_;  ///< by padded cell; infinite where nothing passes
+  std::vector<int> cells_;        ///< number in the grid by padded cell; -1 where no path turns
+  /// Costs of the steps from a padded cell but for what rises or falls, made when the cell is first
+  /// taken up: where each cell's begin, or -1, and the costs, infinite where no step leads.
+  std::vector<int> first_step_;
+  std::vector<float> step_costs_;
   float cheapest_step_ = 0.0F;
   std::vector<std::vector<Entry>> buckets_;  ///< by cost
   std::vector<Label> labels_;                ///< by padded cell

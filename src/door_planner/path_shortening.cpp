@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace hymm::core {
 namespace {
@@ -27,68 +28,84 @@ double PathShortening::cost(const PathPoint& from, const PathPoint& to) const {
 
 // Every other point is tried, so that one pass costs two traversals of the path, and halves its
 // points where nothing is in the way.
-bool PathShortening::dropPoints(std::vector<PathPoint>& path, std::vector<double>& costs) const {
-  std::vector<PathPoint> kept{path.front()};
-  std::vector<double> kept_costs;
-  std::size_t i = 0;
-  while (i + 1 < path.size()) {
-    if (i + 2 < path.size()) {
+bool PathShortening::dropPoints(Draft& draft) const {
+  const auto& [path, costs, stale] = draft;
+  Draft kept{{path.front()}, {}, {stale.front()}};
+  bool dropped = false;
+  for (std::size_t i = 0; i + 1 < path.size();) {
+    char again = stale[i + 1];
+    if (i + 2 < path.size() && again != 0) {
       const double straight = cost(path[i], path[i + 2]);
       if (straight < kNoPassing && straight <= (costs[i] + costs[i + 1]) * (1.0 + kRounding)) {
-        kept.push_back(path[i + 2]);
-        kept_costs.push_back(straight);
+        kept.stale.back() = 1;
+        kept.path.push_back(path[i + 2]);
+        kept.costs.push_back(straight);
+        kept.stale.push_back(1);
+        dropped = true;
         i += 2;
         continue;
       }
+      again = 0;
     }
-    kept.push_back(path[i + 1]);
-    kept_costs.push_back(costs[i]);
+    kept.path.push_back(path[i + 1]);
+    kept.costs.push_back(costs[i]);
+    kept.stale.push_back(again);
     ++i;
   }
-  const bool dropped = kept.size() < path.size();
-  path = std::move(kept);
-  costs = std::move(kept_costs);
+  draft = std::move(kept);
   return dropped;
 }
 
-bool PathShortening::movePoints(std::vector<PathPoint>& path, std::vector<double>& costs,
-                                double step_m) const {
-  bool moved = false;
-  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
-    const Eigen::Vector2d& here = path[i].position;
-    const Eigen::Vector2d chord = 0.5 * (path[i - 1].position + path[i + 1].position) - here;
-    // Towards the straight line between the points beside it.
-    const Eigen::Vector2d line = (path[i + 1].position - path[i - 1].position).normalized();
-    Eigen::Vector2d inward = chord - chord.dot(line) * line;
-    const double distance = inward.norm();
-    if (distance < 1e-6) continue;
-    inward *= std::min(step_m, distance) / distance;
-    PathPoint tried{here + inward, kNone};
-    tried.ltr = graph_.locate(tried.position);
-    if (tried.ltr == kNone) continue;
-    const double before = cost(path[i - 1], tried);
-    if (!(before < costs[i - 1] + costs[i])) continue;
-    const double after = cost(tried, path[i + 1]);
-    if (!(before + after < (costs[i - 1] + costs[i]) * (1.0 - 1e-7))) continue;
-    path[i] = tried;
-    costs[i - 1] = before;
-    costs[i] = after;
-    moved = true;
+bool PathShortening::movePoint(Draft& draft, std::size_t i, double step_m) const {
+  const std::vector<PathPoint>& path = draft.path;
+  const Eigen::Vector2d here = path[i].position;
+  const Eigen::Vector2d chord = 0.5 * (path[i - 1].position + path[i + 1].position) - here;
+  // Towards the straight line between the points beside it.
+  const Eigen::Vector2d line = (path[i + 1].position - path[i - 1].position).normalized();
+  Eigen::Vector2d inward = chord - chord.dot(line) * line;
+  const double distance = inward.norm();
+  if (distance < 1e-6) return false;
+  inward *= std::min(step_m, distance) / distance;
+  PathPoint tried{here + inward, kNone};
+  tried.ltr = graph_.locate(tried.position);
+  if (tried.ltr == kNone) return false;
+  const double now = draft.costs[i - 1] + draft.costs[i];
+  const double before = cost(path[i - 1], tried);
+  if (!(before < now)) return false;
+  const double after = cost(tried, path[i + 1]);
+  if (!(before + after < now * (1.0 - 1e-7))) return false;
+  draft.path[i] = tried;
+  draft.costs[i - 1] = before;
+  draft.costs[i] = after;
+  return true;
+}
+
+bool PathShortening::movePoints(Draft& draft, double step_m) const {
+  bool any = false;
+  for (std::size_t i = 1; i + 1 < draft.path.size(); ++i) {
+    if (draft.stale[i] == 0) continue;
+    draft.stale[i] = 0;
+    if (!movePoint(draft, i, step_m)) continue;
+    std::fill_n(draft.stale.begin() + std::ptrdiff_t(i) - 1, 3, char{1});
+    any = true;
   }
-  return moved;
+  return any;
 }
 
 double PathShortening::shorten(std::vector<PathPoint>& path) const {
-  std::vector<double> costs;
-  for (std::size_t i = 1; i < path.size(); ++i) costs.push_back(cost(path[i - 1], path[i]));
-  while (dropPoints(path, costs)) {
+  Draft draft{path, {}, std::vector<char>(path.size(), 1)};
+  for (std::size_t i = 1; i < path.size(); ++i) draft.costs.push_back(cost(path[i - 1], path[i]));
+  while (dropPoints(draft)) {
   }
   for (double step_m = kFirstMove_m; step_m > kLastMove_m; step_m *= 0.5) {
-    for (int pass = 0; pass < 4 && movePoints(path, costs, step_m); ++pass) {
+    std::fill(draft.stale.begin(), draft.stale.end(), char{1});
+    for (int pass = 0; pass < 4 && movePoints(draft, step_m); ++pass) {
     }
-    dropPoints(path, costs);
+    std::fill(draft.stale.begin(), draft.stale.end(), char{1});
+    dropPoints(draft);
   }
-  return std::accumulate(costs.begin(), costs.end(), 0.0);
+  path = std::move(draft.path);
+  return std::accumulate(draft.costs.begin(), draft.costs.end(), 0.0);
 }
 
 }  // namespace hymm::core

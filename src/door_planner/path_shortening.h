@@ -30,8 +30,16 @@ class PathShortening {
 
  private:
   double cost(const PathPoint& from, const PathPoint& to) const;
-  bool dropPoints(std::vector<PathPoint>& path, std::vector<double>& costs) const;
-  bool movePoints(std::vector<PathPoint>& path, std::vector<double>& costs, double step_m) const;
+  /// A path with the costs between its points, and whether there is a reason to try a point again:
+  /// neither it nor those beside it have changed since it was last tried in vain.
+  struct Draft {
+    std::vector<PathPoint> path;
+    std::vector<double> costs;
+    std::vector<char> stale;
+  };
+  bool dropPoints(Draft& draft) const;
+  bool movePoints(Draft& draft, double step_m) const;
+  bool movePoint(Draft& draft, std::size_t i, double step_m) const;
 
   const DoorGraph& graph_;
   const Allows& allows_;
