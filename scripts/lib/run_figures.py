@@ -44,7 +44,7 @@ def dense_figure(results, size=(10, 10)):
     try:
         pixels, extent = results.occupancy
         axes.imshow(_coarser(pixels), extent=extent, cmap="gray", vmin=0, vmax=255, zorder=0)
-        axes.set_facecolor(str(UNKNOWN / 255))
+        _show_what_is_known(axes, pixels, extent)
         title = "occupied black, free white, unknown grey"
     except Lacks as lacks:
         title = str(lacks)
@@ -117,14 +117,28 @@ def _draw_trajectory(axes, poses):
 
 
 def _finished_map(figure, axes, handles=None):
-    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_aspect("equal", adjustable="box")
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.grid(True, color="0.9")
     axes.set_axisbelow(True)
-    axes.legend(loc="best", framealpha=0.9, fontsize=9, handles=handles)
+    # Below the map, which may fill its frame.
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncol=4 if handles is None else 2,
+                fontsize=9, handles=handles)
     figure.tight_layout()
     return figure
+
+
+def _show_what_is_known(axes, pixels, extent, margin_m=5.0):
+    rows, columns = (np.flatnonzero((pixels != UNKNOWN).any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return
+    resolution = (extent[1] - extent[0]) / pixels.shape[1]
+    axes.set_xlim(extent[0] + columns[0] * resolution - margin_m,
+                  extent[0] + (columns[-1] + 1) * resolution + margin_m)
+    axes.set_ylim(extent[3] - (rows[-1] + 1) * resolution - margin_m,
+                  extent[3] - rows[0] * resolution + margin_m)
+    axes.set_facecolor(str(UNKNOWN / 255))
 
 
 def _coarser(pixels):

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
 #include <utility>
 
 namespace hymm::core {
@@ -57,21 +56,9 @@ void LevelIslands::update(const LevelLattice& lattice) {
   nodes_.resize(tiles, none);
   parents_.clear();
   for (int tile = 0; tile < lattice.tileCount(); ++tile) labelTile(lattice, tile);
-  for (int tile = 0; tile < lattice.tileCount(); ++tile) {
-    const LevelLattice::Tile& here = lattice.tile(tile);
-    const int right = lattice.tileOf({(here.x + 1) * kEdge, here.y * kEdge});
-    const int above = lattice.tileOf({here.x * kEdge, (here.y + 1) * kEdge});
-    const TileLabels& nodes = nodes_[std::size_t(tile)];
-    for (int i = 0; i < kEdge; ++i) {
-      const int last = nodes[std::size_t(i * kEdge + kEdge - 1)];
-      const int top = nodes[std::size_t((kEdge - 1) * kEdge + i)];
-      const int to_right = right < 0 ? -1 : nodes_[std::size_t(right)][std::size_t(i * kEdge)];
-      const int to_above = above < 0 ? -1 : nodes_[std::size_t(above)][std::size_t(i)];
-      if (last >= 0 && to_right >= 0) unite(last, to_right);
-      if (top >= 0 && to_above >= 0) unite(top, to_above);
-    }
-  }
-  std::vector<Island> found;
+  for (int tile = 0; tile < lattice.tileCount(); ++tile) connectTile(lattice, tile);
+
+  islands_.clear();
   std::vector<int> island_of_node(parents_.size(), -1);
   for (int tile = 0; tile < lattice.tileCount(); ++tile) {
     for (int i = 0; i < LevelLattice::kTileCells; ++i) {
@@ -80,20 +67,38 @@ void LevelIslands::update(const LevelLattice& lattice) {
       const int root = rootOf(node);
       int& island = island_of_node[std::size_t(root)];
       if (island < 0) {
-        island = static_cast<int>(found.size());
-        found.push_back({-1, 0, lattice.cellOf(tile, i)});
+        island = static_cast<int>(islands_.size());
+        islands_.push_back({-1, 0, lattice.cellOf(tile, i)});
       }
       island_of_node[std::size_t(node)] = island;
-      ++found[std::size_t(island)].cells;
+      ++islands_[std::size_t(island)].cells;
     }
   }
-  inheritIds(found, island_of_node);
+  inheritIds(countCommonCells(island_of_node));
+  writeIds(island_of_node);
+  std::stable_sort(islands_.begin(), islands_.end(),
+                   [](const Island& a, const Island& b) { return a.cells > b.cells; });
 }
 
-/// Gives each island the id of the old one that it has most cells of, if that has not more of its
-/// own in another; then writes ids_.
-void LevelIslands::inheritIds(const std::vector<Island>& found,
-                              const std::vector<int>& island_of_node) {
+/// Unites what meets across the right and the upper side of a tile.
+void LevelIslands::connectTile(const LevelLattice& lattice, int tile) {
+  const LevelLattice::Tile& here = lattice.tile(tile);
+  const int right = lattice.tileOf({(here.x + 1) * kEdge, here.y * kEdge});
+  const int above = lattice.tileOf({here.x * kEdge, (here.y + 1) * kEdge});
+  const TileLabels& nodes = nodes_[std::size_t(tile)];
+  for (int i = 0; i < kEdge; ++i) {
+    const int last = nodes[std::size_t(i * kEdge + kEdge - 1)];
+    const int top = nodes[std::size_t((kEdge - 1) * kEdge + i)];
+    const int to_right = right < 0 ? -1 : nodes_[std::size_t(right)][std::size_t(i * kEdge)];
+    const int to_above = above < 0 ? -1 : nodes_[std::size_t(above)][std::size_t(i)];
+    if (last >= 0 && to_right >= 0) unite(last, to_right);
+    if (top >= 0 && to_above >= 0) unite(top, to_above);
+  }
+}
+
+/// Pairs of an old and a new island that have cells in common, most cells first.
+std::vector<LevelIslands::CommonCells> LevelIslands::countCommonCells(
+    const std::vector<int>& island_of_node) const {
   std::map<std::pair<int, int>, std::size_t> common;  // (old id, island) -> cells
   for (std::size_t tile = 0; tile < nodes_.size(); ++tile) {
     std::pair<int, int> last{-1, -1};
@@ -109,13 +114,18 @@ void LevelIslands::inheritIds(const std::vector<Island>& found,
       ++*count;
     }
   }
-  std::vector<std::tuple<std::size_t, int, int>> by_cells;
-  for (const auto& [key, cells] : common) by_cells.emplace_back(cells, key.first, key.second);
-  std::stable_sort(by_cells.begin(), by_cells.end(),
-                   [](const auto& a, const auto& b) { return std::get<0>(a) > std::get<0>(b); });
-  islands_ = found;
+  std::vector<CommonCells> pairs;
+  for (const auto& [key, cells] : common) pairs.push_back({key.first, key.second, cells});
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const CommonCells& a, const CommonCells& b) { return a.cells > b.cells; });
+  return pairs;
+}
+
+/// Gives each island the id of the old one that it has most cells of, if that has not more of its
+/// own in another.
+void LevelIslands::inheritIds(const std::vector<CommonCells>& pairs) {
   std::map<int, int> heir;  // old id -> island that took it
-  for (const auto& [cells, old, island] : by_cells) {
+  for (const auto& [old, island, cells] : pairs) {
     if (islands_[std::size_t(island)].id >= 0 || heir.count(old) != 0) continue;
     islands_[std::size_t(island)].id = old;
     heir[old] = island;
@@ -124,19 +134,20 @@ void LevelIslands::inheritIds(const std::vector<Island>& found,
     if (island.id < 0) island.id = next_id_++;
   }
   joined_.clear();
-  for (const auto& [cells, old, island] : by_cells) {
+  for (const auto& [old, island, cells] : pairs) {
     if (heir.count(old) != 0) continue;
     joined_.push_back({old, islands_[std::size_t(island)].id});
     heir[old] = island;
   }
+}
+
+void LevelIslands::writeIds(const std::vector<int>& island_of_node) {
   for (std::size_t tile = 0; tile < nodes_.size(); ++tile) {
     for (std::size_t i = 0; i < std::size_t(LevelLattice::kTileCells); ++i) {
       const int node = nodes_[tile][i];
       ids_[tile][i] = node < 0 ? -1 : islands_[std::size_t(island_of_node[std::size_t(node)])].id;
     }
   }
-  std::stable_sort(islands_.begin(), islands_.end(),
-                   [](const Island& a, const Island& b) { return a.cells > b.cells; });
 }
 
 int LevelIslands::islandOf(const LevelLattice& lattice, const Cell& cell) const {

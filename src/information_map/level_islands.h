@@ -45,7 +45,14 @@ class LevelIslands {
   void labelTile(const LevelLattice& lattice, int tile);
   int rootOf(int node);
   void unite(int a, int b);
-  void inheritIds(const std::vector<Island>& found, const std::vector<int>& island_of_node);
+  struct CommonCells {
+    int old_id, island;
+    std::size_t cells;
+  };
+  void connectTile(const LevelLattice& lattice, int tile);
+  std::vector<CommonCells> countCommonCells(const std::vector<int>& island_of_node) const;
+  void inheritIds(const std::vector<CommonCells>& pairs);
+  void writeIds(const std::vector<int>& island_of_node);
 
   int level_;
   int next_id_ = 0;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -17,6 +19,10 @@ constexpr std::size_t kMostPoses = 10000;
 
 /// Where the last update took longer, the sets are published moved before they are computed.
 constexpr double kSlowUpdate_ms = 200.0;
+
+/// A filter that maps tells all landmarks once a second; of maps that are older than this, later
+/// ones are missing.
+constexpr double kMapsStopped_s = 10.0;
 
 constexpr const char* kNoDenseMap =
     "No dense map has come on `map`: the ways know nothing of obstacles. Does hymm_grid run?";
@@ -60,6 +66,8 @@ InformationMapNode::~InformationMapNode() {
   }
   changed_.notify_all();
   worker_.join();
+  ROS_INFO_STREAM("Level sets of " << counts_.maps << " landmark maps, " << skipped_maps_
+                                   << " passed over for a newer one; " << delaysText() << ".");
 }
 
 void InformationMapNode::takePose(const FilterPoseConstPtr& message) {
@@ -75,6 +83,7 @@ void InformationMapNode::takeMap(const LandmarkMapConstPtr& message) {
     return;
   }
   Waiting next;
+  next.taken_s = steadyNow();
   next.map = fromMessage(*message);
   const std::lock_guard<std::mutex> lock(mutex_);
   if (pose_) next.T_map_base = fromMessage(pose_->pose.pose);
@@ -117,6 +126,8 @@ void InformationMapNode::compute(const Waiting& next) {
   note(update, 1e3 * (steadyNow() - start_s));
   if (update.refused.empty()) {
     publish(information_.levelSets(), update.is_complete);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    delays_.add(1e3 * (steadyNow() - next.taken_s));
   } else {
     causes_.count("landmark map refused", update.refused);
   }
@@ -150,6 +161,13 @@ void InformationMapNode::publish(const core::LevelSets& sets, bool complete) {
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   published_ = std::move(messages);
+}
+
+std::string InformationMapNode::delaysText() const {
+  std::ostringstream text;
+  text << std::setprecision(3) << "behind their map " << delays_.quantile(0.5) << " ms (median), "
+       << delays_.quantile(0.99) << " ms (99 %), " << delays_.max() << " ms (most)";
+  return text.str();
 }
 
 /// Sends the sets of all values to a new subscriber; a latched topic would send the last only.
@@ -209,9 +227,15 @@ bool InformationMapNode::suggest(SuggestExploration::Request& request,
   return true;
 }
 
-void InformationMapNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+/// By stamps, so that it holds in a playback at any speed. Called with mutex_ held.
+std::optional<double> InformationMapNode::mapAge_s() const {
+  if (!pose_ || published_.empty()) return std::nullopt;
+  return (pose_->header.stamp - published_.front().header.stamp).toSec();
+}
+
+/// Called with mutex_ held.
+void InformationMapNode::summarize(diagnostic_updater::DiagnosticStatusWrapper& status) const {
   using diagnostic_msgs::DiagnosticStatus;
-  const std::lock_guard<std::mutex> lock(mutex_);
   status.summary(DiagnosticStatus::OK, "Level sets are kept");
   if (counts_.maps == 0) {
     status.mergeSummary(DiagnosticStatus::WARN, "No landmark map has been used");
@@ -222,6 +246,19 @@ void InformationMapNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& s
     status.mergeSummary(DiagnosticStatus::WARN,
                         "level_sets.max_evaluations leaves level sets unfinished");
   }
+  if (const std::optional<double> age_s = mapAge_s()) {
+    status.add("age of the landmark map at the last pose [s]", *age_s);
+    if (*age_s > kMapsStopped_s) {
+      status.mergeSummary(DiagnosticStatus::WARN,
+                          "No landmark map has come for " + std::to_string(std::lround(*age_s)) +
+                              " s, though poses do; the level sets are those of the last one");
+    }
+  }
+}
+
+void InformationMapNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  summarize(status);
   status.add("dense map", has_dense_map_ ? "used" : "none yet: ways know nothing of obstacles");
   status.add("maps used", counts_.maps);
   status.add("maps refused", counts_.refused_maps);
@@ -231,6 +268,7 @@ void InformationMapNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& s
   status.add("updates ended by max_evaluations", counts_.unfinished_updates);
   status.add("evaluations, all", counts_.evaluations);
   status.add("evaluations, last map", last_update_.evaluations);
+  status.add("sets", delaysText());
   status.add("update, last [ms]", last_ms_);
   status.add("update, worst of the last second [ms]", worst_ms_);
   for (std::size_t i = 0; i < published_.size(); ++i) {

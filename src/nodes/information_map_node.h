@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include <ros/ros.h>
 
 #include "information_map/information_map.h"
+#include "pipeline/latency_histogram.h"
 #include "ros/cause_log.h"
 #include "ros/dense_map_mirror.h"
 
@@ -36,6 +38,7 @@ class InformationMapNode {
   struct Waiting {
     core::LandmarkMap map;
     core::Pose2 T_map_base;
+    double taken_s = 0.0;  ///< by the steady clock
   };
 
   void takeMap(const LandmarkMapConstPtr& message);
@@ -45,9 +48,12 @@ class InformationMapNode {
   void takeDenseMap();
   void note(const core::LevelSetUpdate& update, double ms);
   void publish(const core::LevelSets& sets, bool complete);
+  std::string delaysText() const;
   void greet(const ros::SingleSubscriberPublisher& subscriber);
   bool evaluate(EvaluateInformation::Request& request, EvaluateInformation::Response& response);
   bool suggest(SuggestExploration::Request& request, SuggestExploration::Response& response);
+  std::optional<double> mapAge_s() const;
+  void summarize(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle handle_;
@@ -69,6 +75,7 @@ class InformationMapNode {
   core::LevelSetUpdate last_update_;
   core::InformationMap::Counts counts_;
   bool has_dense_map_ = false;
+  core::LatencyHistogram delays_;  ///< from the arrival of a map to its sets
 
   ros::Publisher level_sets_, islands_markers_;
   ros::Subscriber maps_, poses_;

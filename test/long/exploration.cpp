@@ -127,6 +127,24 @@ std::vector<core::TrueLandmark> landmarksNear(const core::Simulation& simulation
   return nearby;
 }
 
+/// The drive's sensors, with the calibration that was drawn for it.
+core::SimulationConfig continuedConfig(const core::Simulation& simulation) {
+  core::SimulationConfig config = driveConfig();
+  config.motion.draw_calibration = false;
+  config.motion.speed_scale = simulation.calibration().speed_scale;
+  config.motion.turn_scale = simulation.calibration().turn_scale;
+  config.motion.turn_offset = simulation.calibration().turn_offset;
+  return config;
+}
+
+void note(Trip& trip, const core::PoseEstimate& pose, const Pose2& truth) {
+  const auto raise = [](double& largest, double now) { largest = std::max(largest, now); };
+  raise(trip.position_deviation_m, largestDeviation(pose.covariance));
+  raise(trip.heading_deviation_rad, std::sqrt(pose.covariance(2, 2)));
+  raise(trip.position_error_m, (pose.T_map_base.position() - truth.position()).norm());
+  raise(trip.heading_error_rad, std::abs(core::wrapAngle(pose.T_map_base.yaw_rad - truth.yaw_rad)));
+}
+
 /// Goes on along a way, which is given in the filter's map.
 Trip drive(Departure& from, const std::vector<Vector2d>& way_in_estimate, unsigned seed) {
   const core::VehicleConfig car = core::simulatedCar();
@@ -134,11 +152,7 @@ Trip drive(Departure& from, const std::vector<Vector2d>& way_in_estimate, unsign
   const Pose2 T_truth_estimate = from.T_map_base * inverse(from.filter.pose().T_map_base);
   std::vector<Vector2d> way;
   for (const Vector2d& place : way_in_estimate) way.push_back(T_truth_estimate * place);
-  core::SimulationConfig config = driveConfig();
-  config.motion.draw_calibration = false;
-  config.motion.speed_scale = from.simulation.calibration().speed_scale;
-  config.motion.turn_scale = from.simulation.calibration().turn_scale;
-  config.motion.turn_offset = from.simulation.calibration().turn_offset;
+  const core::SimulationConfig config = continuedConfig(from.simulation);
   core::SimulatedVehicle vehicle(car, config.motion, config.drive, routeAlong(from.T_map_base, way),
                                  core::ExplorationConfig{}.speed_mps, core::RandomGenerator(seed));
   core::SimulatedDetector detector(config.detections, core::RandomGenerator(seed + 1));
@@ -162,13 +176,7 @@ Trip drive(Departure& from, const std::vector<Vector2d>& way_in_estimate, unsign
         detector.detect(scene, landmarksNear(from.simulation, T_map_sensor.position()),
                         T_map_sensor, T_base_sensor, time_s));
     if (!outcome || !outcome->accepted) continue;
-    const core::PoseEstimate& pose = outcome->pose;
-    const auto note = [](double& largest, double now) { largest = std::max(largest, now); };
-    note(trip.position_deviation_m, largestDeviation(pose.covariance));
-    note(trip.heading_deviation_rad, std::sqrt(pose.covariance(2, 2)));
-    note(trip.position_error_m, (pose.T_map_base.position() - truth.position()).norm());
-    note(trip.heading_error_rad,
-         std::abs(core::wrapAngle(pose.T_map_base.yaw_rad - truth.yaw_rad)));
+    note(trip, outcome->pose, truth);
     trip.arrived = (truth.position() - way.back()).norm() < kArrived_m;
     if (trip.arrived) break;
   }

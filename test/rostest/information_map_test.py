@@ -124,7 +124,7 @@ class InformationMapTest(unittest.TestCase):
         self.assertTrue(any(goal.goal.x > 50.0 for goal in answer.goals))
         self.assertIn("lowest is 25", self.suggest(1.0).message)
 
-    def test_61_goes_around_what_the_dense_map_tells(self):
+    def test_6b_goes_around_what_the_dense_map_tells(self):
         wall = OccupancyGrid()
         wall.header.frame_id = "map"
         wall.info.resolution, wall.info.width, wall.info.height = 0.5, 2, 120
@@ -140,6 +140,15 @@ class InformationMapTest(unittest.TestCase):
         self.dense_maps.publish(wall)
         self.assertTrue(wait_for(lambda: any(
             values.get("dense maps refused") == "1" for _, values in self.status.values())))
+
+    def test_6c_says_that_maps_have_stopped(self):
+        pose = FilterPose(map_version=999)
+        pose.header.stamp = rospy.Time.from_sec(102.0 + 60.0)  # a minute after the last map
+        self.poses.publish(pose)
+        self.assertTrue(wait_for(lambda: any(
+            "No landmark map has come for 60 s" in text for text, _ in self.status.values())))
+        answer = self.evaluate([Pose2D()], 999)
+        self.assertIn("Map version 999 has not arrived", answer.message)
 
     def test_7_begins_anew_with_the_filter(self):
         self.maps.publish(alley(1, length=20, shift=3.0))

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -39,10 +40,10 @@ VectorXd measurementOf(const VectorXd& state, Index landmarks) {
   return z;
 }
 
-/// What an EKF over pose and landmarks, with a pose of which it knows next to nothing, gains about
-/// the pose from one look: (29) without its formulas, by numeric Jacobians of range and bearing.
-Matrix3d gainOfFilter(const Pose2& pose, const std::vector<Vector2d>& places, const MatrixXd& P_L,
-                      const ExpectedSensor& sensor) {
+/// What an EKF over pose and landmarks knows of the pose after one look, by numeric Jacobians of
+/// range and bearing.
+Matrix3d posteriorOfFilter(const Pose2& pose, const std::vector<Vector2d>& places,
+                           const MatrixXd& P, const ExpectedSensor& sensor) {
   const auto n = Index(places.size());
   VectorXd state(3 + 2 * n);
   state.head<3>() = pose.vector();
@@ -57,10 +58,6 @@ Matrix3d gainOfFilter(const Pose2& pose, const std::vector<Vector2d>& places, co
     for (Index i = 0; i < n; ++i) change(2 * i + 1) = wrapAngle(change(2 * i + 1));
     H.col(k) = change / (2.0 * kStep);
   }
-  constexpr double kDiffuse = 1e3;
-  MatrixXd P = MatrixXd::Zero(state.size(), state.size());
-  P.topLeftCorner<3, 3>().diagonal().setConstant(kDiffuse);
-  P.bottomRightCorner(2 * n, 2 * n) = P_L;
   MatrixXd R = MatrixXd::Zero(2 * n, 2 * n);
   for (Index i = 0; i < n; ++i) {
     R(2 * i, 2 * i) = std::pow(sensor.range_deviation_m, 2);
@@ -68,8 +65,17 @@ Matrix3d gainOfFilter(const Pose2& pose, const std::vector<Vector2d>& places, co
   }
   const MatrixXd K = P * H.transpose() * (H * P * H.transpose() + R).inverse();
   const MatrixXd I_KH = MatrixXd::Identity(state.size(), state.size()) - K * H;
-  const MatrixXd posterior = I_KH * P * I_KH.transpose() + K * R * K.transpose();
-  return posterior.topLeftCorner<3, 3>().inverse() - Matrix3d::Identity() / kDiffuse;
+  return (I_KH * P * I_KH.transpose() + K * R * K.transpose()).topLeftCorner<3, 3>();
+}
+
+/// What it gains if it knows next to nothing of the pose before: (29) without its formulas.
+Matrix3d gainOfFilter(const Pose2& pose, const std::vector<Vector2d>& places, const MatrixXd& P_L,
+                      const ExpectedSensor& sensor) {
+  constexpr double kDiffuse = 1e3;
+  MatrixXd P = MatrixXd::Zero(3 + P_L.rows(), 3 + P_L.rows());
+  P.topLeftCorner<3, 3>().diagonal().setConstant(kDiffuse);
+  P.bottomRightCorner(P_L.rows(), P_L.rows()) = P_L;
+  return posteriorOfFilter(pose, places, P, sensor).inverse() - Matrix3d::Identity() / kDiffuse;
 }
 
 RC_GTEST_PROP(InformationEvaluator, EqualsTheGainOfAFilterWithDiffusePrior, ()) {
@@ -84,6 +90,30 @@ RC_GTEST_PROP(InformationEvaluator, EqualsTheGainOfAFilterWithDiffusePrior, ()) 
   const Matrix3d gain = gainOfFilter(pose, places, P, config.sensor);
   // Numeric derivatives and the diffuse prior leave about seven digits.
   RC_ASSERT((information.matrix - gain).norm() < 1e-6 * gain.norm());
+}
+
+RC_GTEST_PROP(InformationEvaluator, BoundsWhatAnyFilterKnowsAfterOneLook, ()) {
+  RandomGenerator generator(*rc::gen::arbitrary<std::uint32_t>());
+  const auto places = randomPlaces(*rc::gen::inRange(2, 10), 15.0, generator);
+  const MatrixXd P_L = randomCovariance(places, generator);
+  // A vehicle in a SLAM map: its error has much in common with those of the landmarks.
+  MatrixXd shared(3, P_L.rows());
+  for (double& entry : shared.reshaped()) entry = sampleNormal(generator, 0.3);
+  const double own = sampleUniform(generator, 1e-4, 10.0);
+  MatrixXd P(3 + P_L.rows(), 3 + P_L.rows());
+  P << shared * P_L * shared.transpose() + own * Matrix3d::Identity(), shared * P_L,
+      P_L * shared.transpose(), P_L;
+  const InformationConfig config = roundLooking();
+  InformationEvaluator evaluator(config);
+  const Pose2 pose{0.3, -0.2, sampleUniform(generator, -3.0, 3.0)};
+  const Matrix3d promised = evaluator.at(LandmarkField(mapOf(places, P_L), kCell_m), pose).matrix;
+  const Matrix3d P_v = posteriorOfFilter(pose, places, P, config.sensor);
+  // P_v <= dY^-1 in the order of matrices; numeric derivatives leave about seven digits.
+  const Matrix3d root = promised.llt().matrixL();
+  const double excess = Eigen::SelfAdjointEigenSolver<Matrix3d>(root.transpose() * P_v * root)
+                            .eigenvalues()
+                            .maxCoeff();
+  RC_ASSERT(excess <= 1.0 + 1e-5);
 }
 
 RC_GTEST_PROP(InformationEvaluator, MovesWithMapAndPose, ()) {
