@@ -36,6 +36,12 @@ bool anyAlong(const Vector2d& from, const Vector2d& to, Visitor&& visit) {
   return false;
 }
 
+/// Whether a place's cell can be counted at all; an image ends long before.
+bool isCountable(const Vector2d& place, double resolution_m) {
+  constexpr double kMostCells = 1e9;
+  return place.cwiseAbs().maxCoeff() < kMostCells * resolution_m;
+}
+
 }  // namespace
 
 void DenseMapConfig::describe(ConfigSchema& schema) {
@@ -67,13 +73,17 @@ SightMap::SightMap(const DenseMapConfig& config, const OccupancyImage& image)
 bool SightMap::hides(const Vector2d& sensor, const Vector2d& landmark) const {
   const Vector2d look = landmark - sensor;
   const double length_m = look.norm() - config_.landmark_clearance_m;
-  if (length_m <= 0.0) return false;
+  if (length_m <= 0.0 || !isCountable(sensor, resolution_m_) ||
+      !isCountable(landmark, resolution_m_)) {
+    return false;
+  }
   const Vector2d end = sensor + look.normalized() * length_m;
   return anyAlong(sensor / resolution_m_, end / resolution_m_,
                   [this](const Vector2i& cell) { return at(cell) == State::kOccupied; });
 }
 
 bool SightMap::isFree(const Vector2d& place, double clearance_m) const {
+  if (!isCountable(place, resolution_m_)) return config_.unknown_is_free;
   const double reach = clearance_m / resolution_m_;  // in cells
   const int most = static_cast<int>(reach);
   const Vector2i middle = cellAt(place);

@@ -66,8 +66,6 @@ InformationMapNode::~InformationMapNode() {
   }
   changed_.notify_all();
   worker_.join();
-  ROS_INFO_STREAM("Level sets of " << counts_.maps << " landmark maps, " << skipped_maps_
-                                   << " passed over for a newer one; " << delaysText() << ".");
 }
 
 void InformationMapNode::takePose(const FilterPoseConstPtr& message) {
@@ -121,7 +119,7 @@ void InformationMapNode::compute(const Waiting& next) {
     ++moved_sets_;
   }
   const double start_s = steadyNow();
-  takeDenseMap();
+  if (information_.config().dense_map.occlusion) takeDenseMap();
   const core::LevelSetUpdate update = information_.apply(next.map, next.T_map_base);
   note(update, 1e3 * (steadyNow() - start_s));
   if (update.refused.empty()) {
@@ -136,10 +134,7 @@ void InformationMapNode::compute(const Waiting& next) {
 /// Hands the newest dense map to the engine, which is locked.
 void InformationMapNode::takeDenseMap() {
   const std::optional<core::OccupancyImage> image = dense_map_.takeChanged();
-  if (!image) return;
-  information_.setDenseMap(*image);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  has_dense_map_ = true;
+  if (image) information_.setDenseMap(*image);
 }
 
 void InformationMapNode::note(const core::LevelSetUpdate& update, double ms) {
@@ -259,7 +254,8 @@ void InformationMapNode::summarize(diagnostic_updater::DiagnosticStatusWrapper& 
 void InformationMapNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   summarize(status);
-  status.add("dense map", has_dense_map_ ? "used" : "none yet: ways know nothing of obstacles");
+  status.add("dense map",
+             dense_map_.hasMap() ? "there" : "none yet: ways know nothing of obstacles");
   status.add("maps used", counts_.maps);
   status.add("maps refused", counts_.refused_maps);
   status.add("maps passed over for a newer one", skipped_maps_);

@@ -74,7 +74,6 @@ class InformationMapNode {
   double last_ms_ = 0.0, worst_ms_ = 0.0;  ///< wall time of an update; worst since last diagnosis
   core::LevelSetUpdate last_update_;
   core::InformationMap::Counts counts_;
-  bool has_dense_map_ = false;
   core::LatencyHistogram delays_;  ///< from the arrival of a map to its sets
 
   ros::Publisher level_sets_, islands_markers_;

@@ -76,6 +76,11 @@ std::optional<core::OccupancyImage> DenseMapMirror::takeChanged() {
   return image_;
 }
 
+bool DenseMapMirror::hasMap() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return image_.has_value();
+}
+
 void DenseMapMirror::tellAgain() {
   const std::lock_guard<std::mutex> lock(mutex_);
   has_changed_ = true;

@@ -29,6 +29,7 @@ class DenseMapMirror {
 
   /// The map as it is, where it changed since the last call; nothing else, or before the first.
   std::optional<core::OccupancyImage> takeChanged();
+  bool hasMap();
   /// The next takeChanged() tells the map even if it has not changed.
   void tellAgain();
 

@@ -41,6 +41,8 @@ TEST(SightMap, UnknownHidesNothing) {
   const OccupancyImage image = unknownImage(-10.0, -10.0, 10.0, 10.0);
   EXPECT_FALSE(SightMap({}, image).hides({-5.0, 0.0}, {5.0, 0.0}));
   EXPECT_FALSE(SightMap({}, image).hides({-500.0, 0.0}, {500.0, 3.0}));
+  EXPECT_FALSE(SightMap({}, image).hides({1e12, 0.0}, {1e12 + 5.0, 0.0}));
+  EXPECT_TRUE(SightMap({}, image).isFree({0.0, -1e300}, 1.0));
 }
 
 RC_GTEST_PROP(SightMap, MeetsEveryCellOnTheLine, ()) {

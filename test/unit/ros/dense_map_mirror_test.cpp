@@ -37,11 +37,13 @@ TEST(DenseMapMirror, TellsTheMapWithItsUpdates) {
   CauseLog causes;
   DenseMapMirror mirror("map", causes);
   EXPECT_FALSE(mirror.takeChanged());
+  EXPECT_FALSE(mirror.hasMap());
   mirror.takeUpdate(update(0));  // before its map
   mirror.takeMap(grid());
   mirror.takeUpdate(update(1));
   const auto image = mirror.takeChanged();
   ASSERT_TRUE(image);
+  EXPECT_TRUE(mirror.hasMap());
   EXPECT_EQ(image->corner, Eigen::Vector2i(-2, 0));
   EXPECT_THAT(image->cells, ElementsAre(0, 50, 100, -1, -1, 0));
   EXPECT_FALSE(mirror.takeChanged());
