@@ -42,9 +42,7 @@ def dense_figure(results, size=(10, 10)):
     ltrs, places = results.ltrs, results.places()
     figure, axes = plt.subplots(figsize=size)
     try:
-        pixels, extent = results.occupancy
-        axes.imshow(_coarser(pixels), extent=extent, cmap="gray", vmin=0, vmax=255, zorder=0)
-        _show_what_is_known(axes, pixels, extent)
+        draw_occupancy(axes, results)
         title = "occupied black, free white, unknown grey"
     except Lacks as lacks:
         title = str(lacks)
@@ -55,6 +53,13 @@ def dense_figure(results, size=(10, 10)):
     axes.plot([], [], "-", color=LTR, label="LTRs")
     axes.set_title(f"{len(corners)} LTRs; {title}", fontsize=11)
     return _finished_map(figure, axes)
+
+
+def draw_occupancy(axes, results):
+    """The cells that are known, and nothing beyond them."""
+    pixels, extent = results.occupancy
+    axes.imshow(_coarser(pixels), extent=extent, cmap="gray", vmin=0, vmax=255, zorder=0)
+    _show_what_is_known(axes, pixels, extent)
 
 
 def level_set_figure(results, size=(10, 10)):
