@@ -88,8 +88,16 @@ double relativeVariance(const Joint& joint, Index a, Index b) {
 
 Index rowOf(std::size_t landmark) { return 3 + 2 * static_cast<Index>(landmark); }
 
-double distanceFromVehicle(const Joint& joint, std::size_t landmark) {
-  return (joint.mean.segment<2>(rowOf(landmark)) - joint.mean.head<2>()).norm();
+/// Distance from the way that the vehicle may drive on meanwhile, as its heading leads, in units of
+/// what the landmark's place relative to the vehicle's is uncertain by, and of what is seen anyway.
+/// By the distance alone, a wrong place would choose landmarks of its own surroundings.
+double remoteness(const Joint& joint, std::size_t landmark, double range_m,
+                  const LocalMapConfig& config) {
+  const Vector2d ahead(std::cos(joint.mean[2]), std::sin(joint.mean[2]));
+  const Vector2d arm = joint.mean.segment<2>(rowOf(landmark)) - joint.mean.head<2>();
+  const double along_m = std::clamp(ahead.dot(arm), 0.0, config.travel_m);
+  const double variance_m2 = relativeVariance(joint, 0, rowOf(landmark));
+  return (arm - along_m * ahead).norm() / std::sqrt(range_m * range_m + variance_m2);
 }
 
 /// Those that the sensor may see from somewhere in the prior.
@@ -99,7 +107,8 @@ std::vector<std::size_t> withinReach(const Joint& joint, double range_m,
   for (std::size_t i = 0; i < joint.ids.size(); ++i) {
     const double spread_m =
         config.prior_deviations * std::sqrt(relativeVariance(joint, 0, rowOf(i)));
-    if (distanceFromVehicle(joint, i) <= range_m + config.travel_m + spread_m) near.push_back(i);
+    const double distance_m = (joint.mean.segment<2>(rowOf(i)) - joint.mean.head<2>()).norm();
+    if (distance_m <= range_m + config.travel_m + spread_m) near.push_back(i);
   }
   return near;
 }
@@ -121,11 +130,12 @@ void dropCarried(const Joint& joint, const LocalMapConfig& config,
   if (std::any_of(others.begin(), others.end(), isKnownToAnother)) landmarks = others;
 }
 
-void keepNearest(const Joint& joint, int count, std::vector<std::size_t>& landmarks) {
+void keepNearest(const Joint& joint, int count, double range_m, const LocalMapConfig& config,
+                 std::vector<std::size_t>& landmarks) {
   const auto limit = static_cast<std::size_t>(count);
   if (landmarks.size() <= limit) return;
   std::stable_sort(landmarks.begin(), landmarks.end(), [&](std::size_t a, std::size_t b) {
-    return distanceFromVehicle(joint, a) < distanceFromVehicle(joint, b);
+    return remoteness(joint, a, range_m, config) < remoteness(joint, b, range_m, config);
   });
   landmarks.resize(limit);
   std::sort(landmarks.begin(), landmarks.end());
@@ -133,10 +143,11 @@ void keepNearest(const Joint& joint, int count, std::vector<std::size_t>& landma
 
 /// The half of the landmarks that is nearest, ten at least: what is far away may hang together just
 /// as well, but is not where the vehicle is looked for.
-std::vector<int> nearerHalf(const Joint& joint) {
+std::vector<int> nearerHalf(const Joint& joint, double range_m, const LocalMapConfig& config) {
   std::vector<std::size_t> landmarks(joint.ids.size());
   std::iota(landmarks.begin(), landmarks.end(), 0U);
-  keepNearest(joint, std::max(kFewestForFrame, static_cast<int>(landmarks.size() / 2)), landmarks);
+  keepNearest(joint, std::max(kFewestForFrame, static_cast<int>(landmarks.size() / 2)), range_m,
+              config, landmarks);
   std::vector<int> half;
   for (const std::size_t i : landmarks) half.push_back(static_cast<int>(i));
   return half;
@@ -215,13 +226,13 @@ std::optional<LocalMap> tryMakeLocalMap(const VehicleAmongLandmarks& estimate, d
   Joint joint = jointOf(estimate);
   std::vector<std::size_t> kept = withinReach(joint, range_m, config);
   dropCarried(joint, config, kept);
-  keepNearest(joint, config.max_landmarks, kept);
+  keepNearest(joint, config.max_landmarks, range_m, config, kept);
   joint = reduced(joint, kept);
   while (joint.ids.size() >= 2) {
     const Index states = 2 * static_cast<Index>(joint.ids.size());
-    const FrameChoice frame =
-        computeBestFrame(joint.mean.tail(states),
-                         joint.covariance.bottomRightCorner(states, states), nearerHalf(joint));
+    const FrameChoice frame = computeBestFrame(joint.mean.tail(states),
+                                               joint.covariance.bottomRightCorner(states, states),
+                                               nearerHalf(joint, range_m, config));
     const FramedEstimate framed =
         expressInFrame(joint.mean, joint.covariance, frame.origin, frame.axis);
     const MatrixXd bound = boundOf(framed.covariance);
