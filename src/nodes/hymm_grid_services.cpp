@@ -1,3 +1,4 @@
+#include "hybrid_map/geojson_export.h"
 #include "hybrid_map/map_export.h"
 #include "nodes/hymm_grid_node.h"
 #include "perception/scan_check.h"
@@ -94,27 +95,29 @@ bool HymmGridNode::queryProperty(QueryProperty::Request& request,
 }
 
 bool HymmGridNode::exportMap(ExportMap::Request& request, ExportMap::Response& response) {
-  if (request.format != "pgm" && request.format != "octomap") {
-    response.message =
-        "There is no format '" + request.format + "'; there are 'pgm' (with yaml) and 'octomap'.";
+  const std::string& format = request.format;
+  if (format != "pgm" && format != "octomap" && format != "geojson") {
+    response.message = "There is no format '" + format +
+                       "'; there are 'pgm' (with yaml), 'octomap' and 'geojson'.";
     return true;
   }
   if (request.path.empty() || request.path.front() != '/') {
     response.message = "The path must be absolute; '" + request.path + "' is not.";
     return true;
   }
-  core::OccupancyImage image;
   try {
     core::MapImage fresh(config_.image);
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       fresh.update(mapper_.map());
+      const auto& landmarks = mapper_.landmarks();
+      if (format == "geojson") {
+        core::exportGeoJson(mapper_.map(), landmarks ? *landmarks : core::LandmarkMap(),
+                            fresh.image(), request.path);
+      }
     }
-    if (request.format == "pgm") {
-      core::exportPgm(fresh.image(), request.path);
-    } else {
-      core::exportOctoMap(fresh.image(), request.path);
-    }
+    if (format == "pgm") core::exportPgm(fresh.image(), request.path);
+    if (format == "octomap") core::exportOctoMap(fresh.image(), request.path);
     response.success = true;
     response.message = "Wrote " + std::to_string(fresh.image().width) + " x " +
                        std::to_string(fresh.image().height) + " cells.";
