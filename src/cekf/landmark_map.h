@@ -19,6 +19,7 @@ struct LandmarkEstimate {
   double diameter_variance = 0.0;                            ///< m^2, NaN where unknown
   int observations = 0;                                      ///< that updated it
   double last_seen_s = 0.0;
+  double first_seen_s = 0.0;  ///< stamp of the scan that put it into the map
 };
 
 /// Covariance between two landmarks, rows of the first, columns of the second.

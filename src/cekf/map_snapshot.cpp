@@ -15,6 +15,7 @@ LandmarkEstimate withoutPlace(const RegisteredLandmark& landmark) {
   estimate.diameter_variance = landmark.diameter_variance;
   estimate.observations = landmark.observations;
   estimate.last_seen_s = landmark.last_seen_s;
+  estimate.first_seen_s = landmark.first_seen_s;
   return estimate;
 }
 

@@ -29,6 +29,7 @@ Landmark toMessage(const core::LandmarkEstimate& landmark) {
   message.diameter_variance = landmark.diameter_variance;
   message.observations = static_cast<std::uint32_t>(landmark.observations);
   message.last_seen = toRosTime(landmark.last_seen_s);
+  message.first_seen = toRosTime(landmark.first_seen_s);
   return message;
 }
 
@@ -42,6 +43,7 @@ core::LandmarkEstimate fromMessage(const Landmark& message) {
   landmark.diameter_variance = message.diameter_variance;
   landmark.observations = static_cast<int>(message.observations);
   landmark.last_seen_s = message.last_seen.toSec();
+  landmark.first_seen_s = message.first_seen.toSec();
   return landmark;
 }
 
