@@ -3,6 +3,7 @@
 namespace hymm::core {
 
 void RelocaliserConfig::describe(ConfigSchema& schema) {
+  schema.integer("seed", seed, Range::between(0, 2147483647), "of all randomness");
   schema.integer("initial_particles", initial_particles, Range::between(1000, 5000000),
                  "particles at the start");
   schema.integer("global_particles", global_particles, Range::between(1000, 5000000),
@@ -25,7 +26,15 @@ void RelocaliserConfig::describe(ConfigSchema& schema) {
                 "a pose farther from the outcome than this is another place ...");
   schema.number("rival_angle_rad", rival_angle_rad, Range{0.01, 3.2},
                 "... or one that is turned by more than this");
+  schema.number(
+      "history_s", history_s, Range::between(10.0, 3600.0),
+      "how long motion and observations are kept; a scan in good order that is longer ago "
+      "cannot be begun from");
+  schema.number(
+      "replay_s", replay_s, Range::between(0.0, 3600.0),
+      "of what was kept, what a search begins with; before it, the motion moves the prior");
   schema.group("local_map", local_map);
+  schema.group("whole_map", whole_map);
   schema.group("density", density);
   schema.group("particles", particles);
   schema.group("convergence", convergence);

@@ -5,11 +5,13 @@
 #include "relocaliser/density_map.h"
 #include "relocaliser/local_map.h"
 #include "relocaliser/particle_filter.h"
+#include "relocaliser/whole_map.h"
 
 namespace hymm::core {
 
 /// Parameters of the relocaliser, as config/relocaliser.yaml documents them.
 struct RelocaliserConfig {
+  int seed = 0;  ///< of all randomness
   int initial_particles = 50000;
   int global_particles = 400000;  ///< where the vehicle may be anywhere
   int initial_observations = 3;   ///< a scan with fewer does not begin
@@ -23,7 +25,10 @@ struct RelocaliserConfig {
   int rivals = 30000;             ///< other places that it is compared with
   double rival_distance_m = 1.5;  ///< beyond it a pose is another place
   double rival_angle_rad = 0.2;
+  double history_s = 180.0;  ///< how long what the sensors said is kept
+  double replay_s = 10.0;    ///< of it, what a search begins with
   LocalMapConfig local_map;
+  WholeMapConfig whole_map;
   DensityConfig density;
   ParticleFilterConfig particles;
   ConvergenceConfig convergence;

@@ -1,0 +1,258 @@
+#include "relocaliser/relocalisation.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "relocaliser/whole_map.h"
+#include "support/shipped_config.h"
+
+namespace hymm::core {
+namespace {
+
+using ::testing::Each;
+using ::testing::Field;
+using ::testing::Gt;
+using ::testing::HasSubstr;
+
+constexpr double kScanPeriod_s = 0.2;
+constexpr double kSpeed_mps = 4.0;
+constexpr double kDoubtBegins_s = 2.0;
+
+/// A filter that knows an irregular stand of trees, and where it would have the vehicle.
+class StandingFilter : public FilterLink {
+ public:
+  StandingFilter() {
+    const std::vector<Eigen::Vector2d> places{{8, 5},   {12, -6}, {17, 3},  {21, -9}, {26, 7},
+                                              {33, -4}, {38, 9},  {44, -7}, {50, 4},  {57, -5},
+                                              {63, 8},  {69, -6}, {77, 5},  {84, -8}, {90, 3}};
+    for (const Eigen::Vector2d& place : places) {
+      LandmarkEstimate landmark;
+      landmark.id = static_cast<int>(known.size());
+      landmark.position = place;
+      landmark.covariance = 0.0025 * Eigen::Matrix2d::Identity();
+      landmark.observations = 50;
+      known.push_back(landmark);
+    }
+    vehicle.covariance = Eigen::Vector3d(1.0, 1.0, 0.01).asDiagonal();
+  }
+
+  std::vector<LandmarkEstimate> landmarks() override { return known; }
+  std::string suspend(double time_T0_s) override {
+    suspended_s = time_T0_s;
+    return problem;
+  }
+  std::optional<FilterKnowledge> ask(const std::vector<int>& ids, std::string&) override {
+    FilterKnowledge knowledge;
+    JointLandmarks& joint = knowledge.estimate.landmarks;
+    const auto states = static_cast<Eigen::Index>(2 * ids.size());
+    joint.ids = ids;
+    joint.mean.resize(states);
+    joint.covariance = 0.0025 * Eigen::MatrixXd::Identity(states, states);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      joint.mean.segment<2>(static_cast<Eigen::Index>(2 * i)) =
+          known[static_cast<std::size_t>(ids[i])].position;
+    }
+    knowledge.estimate.vehicle = vehicle;
+    return knowledge;
+  }
+  ResumeAnswer resume(double time_T0_s, const std::vector<PlaceAtScan>& path) override {
+    resumed_s = time_T0_s;
+    way = path;
+    return {accepts, accepts ? "The loop is closed." : "It does not fit."};
+  }
+
+  std::vector<LandmarkEstimate> known;
+  PosePrior vehicle;  ///< at T0
+  std::string problem;
+  bool accepts = true;
+  std::optional<double> suspended_s, resumed_s;
+  std::vector<PlaceAtScan> way;
+};
+
+/// A vehicle that drives straight on, up to where the filter has lost it, and beyond.
+class RelocalisationTest : public ::testing::Test {
+ protected:
+  RelocalisationTest() : relocalisation_({}, config(), filter_) {}
+
+  static VehicleConfig config() {
+    VehicleConfig config;
+    config.laser = {2.0, 0.3, 0.0};
+    return config;
+  }
+
+  ObservationSet seen() const {
+    ObservationSet set{time_s_, config().laser.T_base_sensor(), {}};
+    for (const LandmarkEstimate& landmark : filter_.known) {
+      const Eigen::Vector2d p = inverse(pose_ * set.T_base_sensor) * landmark.position;
+      Observation observation;
+      observation.range_m = p.norm();
+      observation.bearing_rad = std::atan2(p.y(), p.x());
+      if (observation.range_m > 25.0 || std::abs(observation.bearing_rad) > kPi / 2.0) continue;
+      observation.covariance = Eigen::Vector2d(0.0025, 0.000025).asDiagonal();
+      set.observations.push_back(observation);
+    }
+    return set;
+  }
+
+  /// The filter has the vehicle `error_` beside where it is.
+  const SearchReport& scan() {
+    relocalisation_.take(TwistInput{time_s_, kSpeed_mps, 0.0, 0.0, std::nullopt});
+    time_s_ += kScanPeriod_s;
+    pose_ = pose_ * Pose2{kSpeed_mps * kScanPeriod_s, 0.0, 0.0};
+    PoseEstimate estimate;
+    estimate.time_s = time_s_;
+    estimate.T_map_base = pose_ * error_;
+    estimate.covariance = Eigen::Vector3d(1.0, 1.0, 0.01).asDiagonal();
+    if (time_s_ <= kDoubtBegins_s + 1e-9) {
+      filter_.vehicle.mean = estimate.T_map_base;
+      good_s_ = time_s_;
+    }
+    return relocalisation_.take(seen(), estimate);
+  }
+
+  void driveIntoDoubt() {
+    while (time_s_ < kDoubtBegins_s + 1.0) scan();
+  }
+
+  const SearchReport& driveUntilDecided() {
+    for (int i = 0; i < 60 && relocalisation_.report().state == SearchState::kSearching; ++i) {
+      scan();
+    }
+    return relocalisation_.report();
+  }
+
+  StandingFilter filter_;
+  Relocalisation relocalisation_;
+  Pose2 pose_, error_{0.8, -1.1, 0.06};
+  double time_s_ = 0.0, good_s_ = 0.0;
+};
+
+TEST_F(RelocalisationTest, SaysNothingUntilItIsAsked) {
+  EXPECT_EQ(scan().state, SearchState::kIdle);
+  EXPECT_FALSE(relocalisation_.report().pose);
+}
+
+TEST_F(RelocalisationTest, FindsTheVehicleFromTheLastGoodScanAndHandsBackTheWay) {
+  driveIntoDoubt();
+  const SearchReport begun = relocalisation_.begin({7, good_s_});
+  EXPECT_EQ(begun.state, SearchState::kSearching);
+  EXPECT_EQ(begun.order, 7U);
+  EXPECT_EQ(filter_.suspended_s, good_s_);
+  const SearchReport& found = driveUntilDecided();
+  ASSERT_EQ(found.state, SearchState::kAccepted) << found.reason;
+  EXPECT_EQ(found.reason, "The loop is closed.");
+  EXPECT_EQ(filter_.resumed_s, good_s_);
+  ASSERT_FALSE(filter_.way.empty());
+  EXPECT_THAT(filter_.way, Each(Field(&PlaceAtScan::time_s, Gt(good_s_))));
+  EXPECT_EQ(filter_.way.back().time_s, time_s_);
+  for (const PlaceAtScan& place : filter_.way) {
+    const double x_m = kSpeed_mps * place.time_s;
+    EXPECT_NEAR(place.T_map_base.x_m, x_m, 0.15);
+    EXPECT_NEAR(place.T_map_base.y_m, 0.0, 0.15);
+  }
+}
+
+TEST_F(RelocalisationTest, TellsAPoseNearTheTruthWhileItSearches) {
+  driveIntoDoubt();
+  relocalisation_.begin({1, good_s_});
+  const SearchReport& report = scan();
+  ASSERT_TRUE(report.pose);
+  EXPECT_LT((report.pose->mean.position() - pose_.position()).norm(), 0.3);
+  EXPECT_GT(report.pose->covariance.diagonal().minCoeff(), 0.0);
+}
+
+TEST_F(RelocalisationTest, SaysWhatTheFilterRefused) {
+  filter_.accepts = false;
+  driveIntoDoubt();
+  relocalisation_.begin({1, good_s_});
+  EXPECT_EQ(driveUntilDecided().state, SearchState::kRefused);
+  EXPECT_EQ(relocalisation_.report().reason, "It does not fit.");
+}
+
+TEST_F(RelocalisationTest, FailsWithTheFiltersReasonWhereThatCannotGoBack) {
+  filter_.problem = "The scan is not kept.";
+  driveIntoDoubt();
+  EXPECT_EQ(relocalisation_.begin({1, good_s_}).state, SearchState::kFailed);
+  EXPECT_EQ(relocalisation_.report().reason, "The scan is not kept.");
+}
+
+TEST_F(RelocalisationTest, FailsWhereItDidNotListenYet) {
+  scan();
+  EXPECT_EQ(relocalisation_.begin({1, -50.0}).state, SearchState::kFailed);
+  EXPECT_THAT(relocalisation_.report().reason, HasSubstr("not known"));
+}
+
+TEST_F(RelocalisationTest, FailsInAMapOfOneLandmark) {
+  filter_.known.resize(1);
+  driveIntoDoubt();
+  EXPECT_EQ(relocalisation_.begin({1, good_s_}).state, SearchState::kFailed);
+  EXPECT_THAT(relocalisation_.report().reason, HasSubstr("two at least"));
+}
+
+TEST_F(RelocalisationTest, LooksWhereAnOperatorPointsTo) {
+  error_ = {-30.0, 20.0, 1.0};  // the filter is of no use
+  driveIntoDoubt();
+  PosePrior pointed{pose_ * Pose2{1.0, 1.0, -0.1}, Eigen::Matrix3d::Zero()};
+  pointed.covariance.diagonal() << 1.0, 1.0, 0.02;
+  relocalisation_.wish({pointed});
+  EXPECT_EQ(relocalisation_.wishes(), 1U);
+  relocalisation_.begin({1, time_s_});
+  EXPECT_EQ(driveUntilDecided().state, SearchState::kAccepted) << relocalisation_.report().reason;
+  EXPECT_NEAR(filter_.way.back().T_map_base.x_m, pose_.x_m, 0.2);
+}
+
+TEST_F(RelocalisationTest, LooksAnywhereAndThenConfirmsThePlace) {
+  error_ = {-30.0, 20.0, 1.0};
+  driveIntoDoubt();
+  relocalisation_.wish({});
+  EXPECT_TRUE(relocalisation_.begin({1, time_s_}).anywhere);
+  EXPECT_EQ(driveUntilDecided().state, SearchState::kAccepted) << relocalisation_.report().reason;
+  EXPECT_FALSE(relocalisation_.report().anywhere);
+  EXPECT_EQ(relocalisation_.searches(), 2U);
+  EXPECT_NEAR(filter_.way.back().T_map_base.x_m, pose_.x_m, 0.2);
+}
+
+TEST_F(RelocalisationTest, WishLapsesWhereTheCekfIsInCharge) {
+  driveIntoDoubt();
+  relocalisation_.wish({});
+  relocalisation_.end();
+  EXPECT_FALSE(relocalisation_.begin({1, good_s_}).anywhere);
+}
+
+TEST_F(RelocalisationTest, SameMessagesGiveTheSameAnswer) {
+  const auto run = [] {
+    RelocalisationTest_SameMessagesGiveTheSameAnswer_Test test;
+    test.driveIntoDoubt();
+    test.relocalisation_.begin({1, test.good_s_});
+    test.scan();
+    return test.relocalisation_.report().pose->mean.vector();
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(WholeMap, LeavesOutWhatIsHardlyKnown) {
+  std::vector<LandmarkEstimate> landmarks(3);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    landmarks[i].id = static_cast<int>(i);
+    landmarks[i].observations = 20;
+    landmarks[i].covariance = 0.01 * Eigen::Matrix2d::Identity();
+  }
+  landmarks[1].covariance *= 1e6;
+  std::string problem;
+  const auto map = tryMakeWholeMap(landmarks, {}, problem);
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->landmarks.size(), 2U);
+  EXPECT_EQ(map->T_map_local.vector(), Eigen::Vector3d(0.0, 0.0, 0.0));
+  landmarks[0].observations = 1;
+  EXPECT_FALSE(tryMakeWholeMap(landmarks, {}, problem));
+  EXPECT_THAT(problem, HasSubstr("1 landmark"));
+}
+
+TEST(RelocaliserConfig, IsDocumentedByItsShippedFile) {
+  test::expectDocumentedByShippedFile("relocaliser", RelocaliserConfig());
+}
+
+}  // namespace
+}  // namespace hymm::core
