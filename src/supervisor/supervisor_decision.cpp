@@ -27,6 +27,12 @@ bool hears(const std::optional<RelocaliserEvidence>& relocaliser, const Supervis
   return relocaliser && relocaliser->age_s <= config.pose_timeout_s;
 }
 
+/// "WHAT: why.", whether or not the reason ends as a sentence; "WHAT." if there is none.
+std::string because(const std::string& what, std::string why) {
+  while (!why.empty() && why.back() == '.') why.pop_back();
+  return what + (why.empty() ? "" : ": " + why) + ".";
+}
+
 Transition fromCekf(const SupervisorState& state, const SupervisorEvidence& evidence,
                     const SupervisorConfig& config) {
   const std::string suspicion = findSuspicion(evidence.scan, config.suspicion);
@@ -36,7 +42,7 @@ Transition fromCekf(const SupervisorState& state, const SupervisorEvidence& evid
   if (suspicion.empty() || state.suspicious_scans < needed) return stay(FilterMode::kCekf);
   const std::string told =
       "For " + std::to_string(state.suspicious_scans) + " scans in a row " + suspicion + ".";
-  if (!evidence.relocaliser) {
+  if (!hears(evidence.relocaliser, config)) {
     return stay(FilterMode::kCekf, "The CEKF is in charge, though suspicious. " + told +
                                        " No relocaliser runs that could find the place.");
   }
@@ -50,29 +56,34 @@ Transition fromCekf(const SupervisorState& state, const SupervisorEvidence& evid
 
 Transition fromRelocalising(const SupervisorState& state, const SupervisorEvidence& evidence,
                             const SupervisorConfig& config) {
-  if (evidence.resume == ResumeOutcome::kAccepted) {
-    return stay(FilterMode::kCekf, "The relocaliser found the place, and the CEKF took it over.");
-  }
-  if (evidence.resume == ResumeOutcome::kRefused) {
-    return stay(FilterMode::kLost,
-                "The CEKF refused the place that the relocaliser found: it does not fit its map.");
-  }
+  using State = RelocaliserEvidence::State;
   const double lasting_s = evidence.time_s - state.since_s;
-  if (!hears(evidence.relocaliser, config) && lasting_s > config.pose_timeout_s) {
+  const std::optional<RelocaliserEvidence>& relocaliser = evidence.relocaliser;
+  if (relocaliser && relocaliser->state == State::kAccepted) {
+    return stay(
+        FilterMode::kCekf,
+        because("The relocaliser found the place, and the CEKF took it over", relocaliser->reason));
+  }
+  if (!hears(relocaliser, config)) {
+    if (lasting_s <= config.pose_timeout_s) {
+      return stay(FilterMode::kRelocalising, "The relocaliser is in charge; it was just asked.");
+    }
     return goOnWithoutClosing("The relocaliser fell silent while it was in charge.");
   }
-  if (evidence.relocaliser && evidence.relocaliser->converged) {
-    return {FilterMode::kRelocalising, SupervisorAction::kResumeClosing,
-            "The relocaliser found the place; the CEKF is asked to take it over."};
+  if (relocaliser->state == State::kRefused) {
+    return stay(FilterMode::kLost, because("The CEKF refused the place that the relocaliser found",
+                                           relocaliser->reason));
+  }
+  if (relocaliser->state == State::kFailed) {
+    return stay(FilterMode::kLost,
+                because("The relocaliser cannot look for the place", relocaliser->reason));
   }
   if (lasting_s > config.switching.relocalise_timeout_s) {
     return stay(FilterMode::kLost,
-                "The relocaliser found no place in time" +
-                    (evidence.relocaliser ? ": " + evidence.relocaliser->doubt : "") + ".");
+                because("The relocaliser found no place in time", relocaliser->reason));
   }
   return stay(FilterMode::kRelocalising,
-              "The relocaliser is in charge" +
-                  (evidence.relocaliser ? ": " + evidence.relocaliser->doubt : "") + ".");
+              because("The relocaliser is in charge", relocaliser->reason));
 }
 
 Transition fromLost(const SupervisorState& state, const SupervisorEvidence& evidence,
@@ -98,8 +109,7 @@ Transition computeTransition(const SupervisorState& state, const SupervisorEvide
   if (evidence.requested == FilterMode::kCekf && state.mode != FilterMode::kCekf) {
     return goOnWithoutClosing("An operator asked for the CEKF.");
   }
-  if (evidence.requested == FilterMode::kRelocalising && evidence.relocaliser &&
-      state.mode != FilterMode::kRelocalising) {
+  if (evidence.requested == FilterMode::kRelocalising && hears(evidence.relocaliser, config)) {
     return attempt("An operator asked for the relocaliser.");
   }
   switch (state.mode) {
@@ -124,18 +134,21 @@ SupervisorState counted(const SupervisorState& state, const SupervisorEvidence& 
   } else if (evidence.new_scan) {
     const bool suspicious = !findSuspicion(evidence.scan, config.suspicion).empty();
     result.suspicious_scans = suspicious ? state.suspicious_scans + 1 : 0;
+    if (!suspicious) result.good_order_s = evidence.time_s;
   }
   return result;
 }
 
 SupervisorState follow(SupervisorState state, const Transition& transition, double time_s,
                        const SwitchingConfig& config) {
-  if (transition.mode == state.mode) return state;
-  if (transition.action == SupervisorAction::kBeginRelocalising) ++state.attempts;
+  const bool begins = transition.action == SupervisorAction::kBeginRelocalising;
+  if (transition.mode == state.mode && !begins) return state;
+  if (begins) ++state.attempts;
   if (transition.mode == FilterMode::kLost) state.not_before_s = time_s + config.retry_interval_s;
   if (transition.mode == FilterMode::kCekf) {
     state.attempts = 0;
-    state.not_before_s = time_s + config.rest_s;
+    state.not_before_s = time_s + (state.mode == FilterMode::kInitialising ? 0.0 : config.rest_s);
+    state.good_order_s = time_s;
   }
   state.mode = transition.mode;
   state.since_s = time_s;
@@ -173,6 +186,8 @@ std::vector<EvidenceFigure> figuresOf(const SupervisorEvidence& evidence,
           {"unexplained", scan.unexplained, limits.unexplained},
           {"missed", scan.missed, limits.missed},
           {"disagreement", scan.disagreement, limits.disagreement},
+          {"old_landmarks_expected", static_cast<double>(scan.old_landmarks_expected),
+           static_cast<double>(limits.old_landmarks)},
           {"position_deviation_m", scan.position_deviation_m, limits.armed_deviation_m},
           {"heading_deviation_rad", scan.heading_deviation_rad, limits.armed_deviation_rad}};
 }
@@ -207,6 +222,7 @@ void SupervisorConfig::describe(ConfigSchema& schema) {
   schema.integer("trajectory_max_poses", trajectory_max_poses, Range::between(10, 1000000),
                  "beyond that many, every other pose of `trajectory` is left out");
   schema.group("suspicion", suspicion);
+  schema.group("old_landmarks", old_landmarks);
   schema.group("switching", switching);
 }
 
@@ -250,6 +266,7 @@ SupervisorDecision computeDecision(const SupervisorState& state, const Superviso
   decision.state = follow(now, transition, evidence.time_s, config.switching);
   decision.mode = transition.mode;
   decision.action = transition.action;
+  decision.from_s = now.good_order_s;
   decision.silent = evidence.pose_age_s && *evidence.pose_age_s > config.pose_timeout_s;
   decision.without_odometry = evidence.pose_age_s && !evidence.odometry_known;
   decision.reason = transition.why.empty() ? computeReason(decision, evidence) : transition.why;

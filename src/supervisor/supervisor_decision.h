@@ -6,6 +6,7 @@
 
 #include "cekf/cekf_slam.h"
 #include "common/config.h"
+#include "supervisor/old_landmarks.h"
 #include "supervisor/suspicion.h"
 
 namespace hymm::core {
@@ -37,6 +38,7 @@ struct SupervisorConfig {
   double trajectory_rate_hz = 1.0;     ///< highest rate of `trajectory`
   int trajectory_max_poses = 20000;    ///< beyond that every other pose goes
   SuspicionConfig suspicion;
+  OldLandmarkConfig old_landmarks;
   SwitchingConfig switching;
 
   void describe(ConfigSchema& schema);
@@ -44,13 +46,17 @@ struct SupervisorConfig {
 
 /// What the relocaliser says.
 struct RelocaliserEvidence {
-  double age_s = 0.0;  ///< wall time since it last said something
-  bool converged = false;
-  std::string doubt;  ///< why it has not
-};
+  enum class State {
+    kSearching,  ///< or not asked
+    kAccepted,   ///< it found the place, and the CEKF took it over
+    kRefused,    ///< it found a place, and the CEKF refused it
+    kFailed,     ///< it could not begin
+  };
 
-/// What came of handing a pose back to the CEKF.
-enum class ResumeOutcome { kNotTried, kAccepted, kRefused };
+  double age_s = 0.0;  ///< wall time since it last said something
+  State state = State::kSearching;
+  std::string reason;  ///< why it has not found the place, or what was said
+};
 
 /// What the decision rests on, at one moment.
 struct SupervisorEvidence {
@@ -60,13 +66,13 @@ struct SupervisorEvidence {
   bool new_scan = false;  ///< whether `scan` has not been judged before
   ScanEvidence scan;      ///< the CEKF's last
   std::optional<RelocaliserEvidence> relocaliser;  ///< nothing: it does not run
-  ResumeOutcome resume = ResumeOutcome::kNotTried;
-  std::optional<FilterMode> requested;  ///< by an operator: kCekf or kRelocalising
-  bool odometry_known = true;           ///< whether tf tells odom -> base_link at the last pose
-  std::string odometry_problem;         ///< if not: what tf says
+  std::optional<FilterMode> requested;             ///< by an operator: kCekf or kRelocalising
+  bool odometry_known = true;    ///< whether tf tells odom -> base_link at the last pose
+  std::string odometry_problem;  ///< if not: what tf says
 };
 
-/// The evidence at the moment in which the CEKF has taken a scan.
+/// The evidence at the moment in which the CEKF has taken a scan; what others say is left to fill
+/// in.
 SupervisorEvidence evidenceAtScan(const FilterHealth& health);
 
 /// One figure that a decision rests on, as it is told.
@@ -83,20 +89,21 @@ struct SupervisorState {
   int suspicious_scans = 0;   ///< in a row
   int attempts = 0;           ///< to relocalise since the CEKF was last in good order
   double not_before_s = 0.0;  ///< when the next attempt may begin
+  double good_order_s = 0.0;  ///< stamp of the last scan of the CEKF that was not suspicious: T0
 };
 
 /// What has to be done now, once.
 enum class SupervisorAction {
   kNothing,
   kBeginRelocalising,     ///< from the last scan in good order
-  kResumeClosing,         ///< hand the relocaliser's pose back to the CEKF
-  kResumeWithoutClosing,  ///< the CEKF goes on from where it was in good order
+  kResumeWithoutClosing,  ///< the CEKF goes on from there
 };
 
 struct SupervisorDecision {
   FilterMode mode = FilterMode::kInitialising;
   SupervisorState state;  ///< for the next decision; its mode is `mode`
   SupervisorAction action = SupervisorAction::kNothing;
+  double from_s = 0.0;            ///< T0 of the action: stamp of the last scan in good order
   bool silent = false;            ///< the filter in charge gives no poses
   bool without_odometry = false;  ///< map -> odom cannot follow it
   std::string reason;
@@ -105,9 +112,9 @@ struct SupervisorDecision {
 
 /// Who is in charge next, given who is now. Pure: the same arguments, the same decision. A CEKF
 /// that is suspicious for several scans in a row hands over to the relocaliser, if that runs; the
-/// relocaliser hands back when it has converged and the CEKF takes its pose. If it does not
-/// converge, or the CEKF refuses, the vehicle is LOST until the next attempt; after the last
-/// attempt, or if the relocaliser falls silent, the CEKF goes on without closing the loop.
+/// relocaliser hands the place that it finds back to the CEKF by itself, and says what came of it.
+/// If it finds none, or the CEKF refuses, the vehicle is LOST until the next attempt; after the
+/// last attempt, or if the relocaliser falls silent, the CEKF goes on without closing the loop.
 SupervisorDecision computeDecision(const SupervisorState& state, const SupervisorEvidence& evidence,
                                    const SupervisorConfig& config);
 

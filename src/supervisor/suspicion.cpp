@@ -12,7 +12,7 @@ void SuspicionConfig::describe(ConfigSchema& schema) {
   schema.number("missed", missed, Range::between(0.0, 1.0),
                 "share of missed landmarks that is suspicious");
   schema.number("disagreement", disagreement, Range::between(0.0, 1.0),
-                "share of beams that contradict the stored grid that is suspicious");
+                "lack of correlation of scan and stored grid that is suspicious");
   schema.number("unexplained", unexplained, Range::between(0.0, 1.0),
                 "share of unexplained observations that is suspicious ...");
   schema.integer("old_landmarks", old_landmarks, Range::between(1, 1000),

@@ -5,6 +5,8 @@
 
 #include <gmock/gmock.h>
 
+#include "support/shipped_config.h"
+
 namespace hymm::core {
 namespace {
 
@@ -41,8 +43,10 @@ SupervisorEvidence ambiguous() {
   return evidence;
 }
 
-SupervisorEvidence withRelocaliser(SupervisorEvidence evidence, bool converged = false) {
-  evidence.relocaliser = RelocaliserEvidence{0.1, converged, "there is more than one mode"};
+using Search = RelocaliserEvidence::State;
+
+SupervisorEvidence withRelocaliser(SupervisorEvidence evidence, Search state = Search::kSearching) {
+  evidence.relocaliser = RelocaliserEvidence{0.1, state, "there is more than one mode"};
   return evidence;
 }
 
@@ -204,30 +208,45 @@ TEST(SupervisorDecision, SaysThatNoRelocaliserRunsThatCouldHelp) {
   EXPECT_THAT(decision.reason, AllOf(HasSubstr("ambiguous"), HasSubstr("No relocaliser runs")));
 }
 
-TEST(SupervisorDecision, AsksTheCekfToTakeOverWhatTheRelocaliserFound) {
-  const SupervisorDecision decision =
-      computeDecision(stateIn(FilterMode::kRelocalising, 1), withRelocaliser(healthy(), true), {});
-  EXPECT_EQ(decision.mode, FilterMode::kRelocalising);
-  EXPECT_EQ(decision.action, SupervisorAction::kResumeClosing);
-}
-
-TEST(SupervisorDecision, ReturnsWhenTheCekfHasTakenThePose) {
-  SupervisorEvidence evidence = withRelocaliser(healthy(), true);
-  evidence.resume = ResumeOutcome::kAccepted;
-  const SupervisorDecision decision =
-      computeDecision(stateIn(FilterMode::kRelocalising, 2), evidence, {});
+TEST(SupervisorDecision, ReturnsWhenTheCekfHasTakenThePlace) {
+  const SupervisorDecision decision = computeDecision(
+      stateIn(FilterMode::kRelocalising, 2), withRelocaliser(healthy(), Search::kAccepted), {});
   EXPECT_EQ(decision.mode, FilterMode::kCekf);
   EXPECT_EQ(decision.action, SupervisorAction::kNothing);
   EXPECT_EQ(decision.state.attempts, 0);
 }
 
-TEST(SupervisorDecision, IsLostWhenTheCekfRefusesThePose) {
-  SupervisorEvidence evidence = withRelocaliser(healthy(), true);
-  evidence.resume = ResumeOutcome::kRefused;
+TEST(SupervisorDecision, IsLostWhenTheCekfRefusesThePlace) {
+  const SupervisorDecision decision = computeDecision(
+      stateIn(FilterMode::kRelocalising, 1), withRelocaliser(healthy(), Search::kRefused), {});
+  EXPECT_EQ(decision.mode, FilterMode::kLost);
+  EXPECT_THAT(decision.reason, HasSubstr("refused"));
+}
+
+TEST(SupervisorDecision, IsLostAtOnceWhereTheRelocaliserCannotBegin) {
+  SupervisorEvidence evidence = withRelocaliser(healthy(), Search::kFailed);
+  evidence.relocaliser->reason = "The map has no landmarks.";
   const SupervisorDecision decision =
       computeDecision(stateIn(FilterMode::kRelocalising, 1), evidence, {});
   EXPECT_EQ(decision.mode, FilterMode::kLost);
-  EXPECT_THAT(decision.reason, HasSubstr("refused"));
+  EXPECT_THAT(decision.reason, EndsWith("look for the place: The map has no landmarks."));
+}
+
+TEST(SupervisorDecision, BeginsFromTheLastScanInGoodOrder) {
+  const SupervisorConfig config;
+  SupervisorEvidence evidence = withRelocaliser(healthy());
+  const SupervisorDecision good = computeDecision(stateIn(FilterMode::kCekf), evidence, config);
+  evidence = withRelocaliser(ambiguous());
+  evidence.time_s = kNow_s + 0.2;
+  const SupervisorDecision begun =
+      afterScans(good.state, evidence, config.switching.suspicious_scans);
+  EXPECT_EQ(begun.action, SupervisorAction::kBeginRelocalising);
+  EXPECT_EQ(begun.from_s, kNow_s);
+  SupervisorEvidence silent = healthy();
+  silent.time_s = kNow_s + 100.0;
+  const SupervisorDecision back = computeDecision(begun.state, silent, config);
+  EXPECT_EQ(back.action, SupervisorAction::kResumeWithoutClosing);
+  EXPECT_EQ(back.from_s, kNow_s);
 }
 
 TEST(SupervisorDecision, IsLostWhenTheRelocaliserFindsNothingInTime) {
@@ -285,11 +304,17 @@ TEST(SupervisorDecision, FallsBackWhenTheRelocaliserDiesInCharge) {
 TEST(SupervisorDecision, FollowsAnOperator) {
   SupervisorEvidence evidence = withRelocaliser(healthy());
   evidence.requested = FilterMode::kRelocalising;
-  EXPECT_EQ(computeDecision(stateIn(FilterMode::kCekf), evidence, {}).action,
-            SupervisorAction::kBeginRelocalising);
+  for (const auto mode : {FilterMode::kCekf, FilterMode::kRelocalising, FilterMode::kLost}) {
+    EXPECT_EQ(computeDecision(stateIn(mode), evidence, {}).action,
+              SupervisorAction::kBeginRelocalising);
+  }
   evidence.requested = FilterMode::kCekf;
   EXPECT_EQ(computeDecision(stateIn(FilterMode::kRelocalising), evidence, {}).action,
             SupervisorAction::kResumeWithoutClosing);
+}
+
+TEST(SupervisorConfig, IsDocumentedByItsShippedFile) {
+  test::expectDocumentedByShippedFile("supervisor", SupervisorConfig());
 }
 
 /// Every mode with every combination of what can be told.
@@ -322,16 +347,17 @@ class EveryDecision : public ::testing::Test {
     for (const bool posed : {false, true}) {
       for (const bool doubtful : {false, true}) {
         for (const bool armed : {false, true}) {
-          for (const int relocaliser : {0, 1, 2, 3}) {
-            for (const auto resume :
-                 {ResumeOutcome::kNotTried, ResumeOutcome::kAccepted, ResumeOutcome::kRefused}) {
+          for (const bool silent : {false, true}) {
+            for (const std::optional<Search> search :
+                 {std::optional<Search>(), std::optional(Search::kSearching),
+                  std::optional(Search::kAccepted), std::optional(Search::kRefused),
+                  std::optional(Search::kFailed)}) {
               for (const int request : {0, 1, 2}) {
                 SupervisorEvidence evidence = doubtful ? ambiguous() : healthy();
                 if (!posed) evidence.pose_age_s.reset();
                 if (armed) evidence.scan.position_deviation_m = 10.0;
-                if (relocaliser > 0) evidence = withRelocaliser(evidence, relocaliser == 2);
-                if (relocaliser == 3) evidence.relocaliser->age_s = 100.0;
-                evidence.resume = resume;
+                if (search) evidence = withRelocaliser(evidence, *search);
+                if (search && silent) evidence.relocaliser->age_s = 100.0;
                 if (request == 1) evidence.requested = FilterMode::kCekf;
                 if (request == 2) evidence.requested = FilterMode::kRelocalising;
                 evidences.push_back(evidence);
@@ -370,15 +396,12 @@ TEST_F(EveryDecision, ActsExactlyWhenItSwitchesAwayFromAFilterOrHandsBack) {
     const bool switches = isModeSwitch(state.mode, d.mode);
     switch (d.action) {
       case SupervisorAction::kBeginRelocalising:
-        EXPECT_TRUE(switches && d.mode == FilterMode::kRelocalising);
+        EXPECT_EQ(d.mode, FilterMode::kRelocalising);
+        EXPECT_TRUE(switches || evidence.requested == FilterMode::kRelocalising);
         EXPECT_EQ(d.state.attempts, state.attempts + 1);
         break;
       case SupervisorAction::kResumeWithoutClosing:
         EXPECT_TRUE(switches && d.mode == FilterMode::kCekf);
-        break;
-      case SupervisorAction::kResumeClosing:
-        EXPECT_FALSE(switches);
-        EXPECT_TRUE(evidence.relocaliser && evidence.relocaliser->converged);
         break;
       case SupervisorAction::kNothing:
         EXPECT_NE(switches, d.mode == state.mode || state.mode == FilterMode::kInitialising);
@@ -391,7 +414,8 @@ TEST_F(EveryDecision, ActsExactlyWhenItSwitchesAwayFromAFilterOrHandsBack) {
 TEST_F(EveryDecision, NeverRelocalisesWithoutARelocaliser) {
   forEach([](const SupervisorState& state, const SupervisorEvidence& evidence,
              const SupervisorDecision& d) {
-    if (evidence.relocaliser || state.mode == FilterMode::kRelocalising) return;
+    const bool hears = evidence.relocaliser && evidence.relocaliser->age_s < 1.0;
+    if (hears || state.mode == FilterMode::kRelocalising) return;
     EXPECT_NE(d.mode, FilterMode::kRelocalising);
   });
 }
@@ -409,8 +433,8 @@ TEST_F(EveryDecision, ReturnsToTheCekfOnlyByItsConsentOrWithoutClosing) {
   forEach([](const SupervisorState& state, const SupervisorEvidence& evidence,
              const SupervisorDecision& d) {
     if (d.mode != FilterMode::kCekf || !isModeSwitch(state.mode, d.mode)) return;
-    EXPECT_TRUE(evidence.resume == ResumeOutcome::kAccepted ||
-                d.action == SupervisorAction::kResumeWithoutClosing);
+    const bool accepted = evidence.relocaliser && evidence.relocaliser->state == Search::kAccepted;
+    EXPECT_TRUE(accepted || d.action == SupervisorAction::kResumeWithoutClosing);
   });
 }
 
