@@ -80,6 +80,12 @@ void CekfSlamNode::diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& s
   status.add("map corrections", counts.map_corrections);
   status.add("iterated updates", counts.iterated_updates);
   status.add("resets", counts.resets);
+  status.add("returns to an earlier scan", counts.resumed);
+  status.add("returns refused", counts.refused_resumptions);
+  status.add("scans given up that could be gone back to", counts.forgotten_states);
+  if (filter_.isSuspended()) {
+    status.mergeSummary(DiagnosticStatus::WARN, "Waits while the relocaliser looks for the place");
+  }
   status.add("latency, worst of the last second [ms]", worst_latency_ms_);
   status.add("NIS per degree of freedom", health_.dof > 0 ? health_.nis / health_.dof : 0.0);
   status.add("position deviation [m]", health_.position_deviation_m);

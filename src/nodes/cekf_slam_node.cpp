@@ -5,7 +5,9 @@
 #include <future>
 #include <memory>
 
+#include "common/number_text.h"
 #include "ros/joint_covariance.h"
+#include "ros/relocaliser_conversions.h"
 #include "ros/steady_time.h"
 
 namespace hymm {
@@ -28,6 +30,16 @@ std::string causeOf(const std::string& reason) {
   return "scan refused: " + std::string(reason.begin(), digit);
 }
 
+std::string suspensionText(double from_s, bool is_suspended, const core::CekfSlam& filter) {
+  const std::string scan = "the scan at " + core::numberText(from_s) + " s";
+  if (is_suspended) return "The filter went back to " + scan + ", and waits there for 'resume'.";
+  const std::optional<core::LocalStateSpan> kept = filter.localStates();
+  if (!kept) return "The filter cannot go back to " + scan + ": it keeps none (local_states).";
+  return "The filter cannot go back to " + scan + ": it keeps those from " +
+         core::numberText(kept->oldest_s) + " s to " + core::numberText(kept->newest_s) +
+         " s (local_states).";
+}
+
 }  // namespace
 
 CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
@@ -43,11 +55,12 @@ CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
       queue_(kQueueCapacity),
       inputs_(handle_, config.motion_input, config.observation_input, config.gps.enabled, queue_,
               causes_) {
+  filter_.keepLocalStates(config.local_states);
   ltrs_subscriber_ = handle_.subscribe("ltrs", 10, &CekfSlamNode::takeLtrs, this,
                                        ros::TransportHints().tcpNoDelay());
   pause_service_ = handle_.advertiseService("pause", &CekfSlamNode::pause, this);
   reset_service_ = handle_.advertiseService("reset", &CekfSlamNode::reset, this);
-  joint_covariance_service_ = advertisePatiently();
+  advertisePatiently();
   patient_spinner_.start();
   diagnostics_.setHardwareID("none");
   diagnostics_.add("inputs", this, &CekfSlamNode::diagnoseInputs);
@@ -175,25 +188,59 @@ bool CekfSlamNode::reset(Reset::Request&, Reset::Response& response) {
   return true;
 }
 
-ros::ServiceServer CekfSlamNode::advertisePatiently() {
+void CekfSlamNode::advertisePatiently() {
   ros::NodeHandle handle(handle_);
   handle.setCallbackQueue(&patient_calls_);
-  return handle.advertiseService("get_joint_covariance", &CekfSlamNode::getJointCovariance, this);
+  patient_services_ = {
+      handle.advertiseService("get_joint_covariance", &CekfSlamNode::getJointCovariance, this),
+      handle.advertiseService("suspend", &CekfSlamNode::suspend, this),
+      handle.advertiseService("resume", &CekfSlamNode::resume, this)};
 }
 
 bool CekfSlamNode::getJointCovariance(GetJointCovariance::Request& request,
                                       GetJointCovariance::Response& response) {
-  const auto answer = std::make_shared<std::promise<core::JointLandmarks>>();
-  std::future<core::JointLandmarks> joint = answer->get_future();
+  const auto answer = std::make_shared<std::promise<core::VehicleAmongLandmarks>>();
+  std::future<core::VehicleAmongLandmarks> joint = answer->get_future();
+  core::FilterKnowledge knowledge;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     response.message = problemOf(request, [this](int id) { return filter_.hasLandmark(id); });
     if (!response.message.empty()) return true;
-    filter_.requestJointLandmarks(request.ids, [answer](core::JointLandmarks landmarks) {
-      answer->set_value(std::move(landmarks));
+    knowledge.calibration = filter_.calibration();
+    filter_.requestVehicleAmongLandmarks(request.ids, [answer](core::VehicleAmongLandmarks known) {
+      answer->set_value(std::move(known));
     });
   }
-  response = toMessage(joint.get(), map_frame_);  // scans go on meanwhile
+  knowledge.estimate = joint.get();  // scans go on meanwhile
+  response = request.vehicle != 0U ? toMessage(knowledge, map_frame_)
+                                   : toMessage(knowledge.estimate.landmarks, map_frame_);
+  return true;
+}
+
+bool CekfSlamNode::suspend(Suspend::Request& request, Suspend::Response& response) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  response.success = static_cast<std::uint8_t>(filter_.suspend(request.since.toSec()));
+  response.message = suspensionText(request.since.toSec(), response.success != 0U, filter_);
+  if (response.success != 0U) ROS_WARN_STREAM(response.message);
+  return true;
+}
+
+bool CekfSlamNode::resume(Resume::Request& request, Resume::Response& response) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const double from_s = request.since.toSec();
+  core::Resumption resumption;
+  if (request.way == Resume::Request::CLOSING) {
+    resumption = filter_.resume(from_s, fromMessage(request.path));
+  } else if (request.way == Resume::Request::WITHOUT_CLOSING) {
+    resumption = filter_.resumeWithoutClosing(from_s);
+  } else {
+    response.message =
+        "There is no way " + std::to_string(request.way) + " of resuming; see hymm/Resume.srv.";
+    return true;
+  }
+  response.success = static_cast<std::uint8_t>(resumption.accepted());
+  response.message = resumption.reason;
+  ROS_WARN_STREAM("Resuming: " << response.message);
   return true;
 }
 

@@ -9,6 +9,8 @@
 #include <hymm/LtrMap.h>
 #include <hymm/Pause.h>
 #include <hymm/Reset.h>
+#include <hymm/Resume.h>
+#include <hymm/Suspend.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <ros/spinner.h>
@@ -49,9 +51,11 @@ class CekfSlamNode {
   void takeLtrs(const LtrMap& message);
   bool pause(Pause::Request& request, Pause::Response& response);
   bool reset(Reset::Request& request, Reset::Response& response);
-  ros::ServiceServer advertisePatiently();
+  void advertisePatiently();
   bool getJointCovariance(GetJointCovariance::Request& request,
                           GetJointCovariance::Response& response);
+  bool suspend(Suspend::Request& request, Suspend::Response& response);
+  bool resume(Resume::Request& request, Resume::Response& response);
   void diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -79,7 +83,7 @@ class CekfSlamNode {
   ros::Subscriber ltrs_subscriber_;
   ros::ServiceServer pause_service_, reset_service_;
   ros::CallbackQueue patient_calls_;  ///< services that may wait long, apart from the messages
-  ros::ServiceServer joint_covariance_service_;
+  std::vector<ros::ServiceServer> patient_services_;
   ros::AsyncSpinner patient_spinner_{1, &patient_calls_};
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer diagnostics_timer_;

@@ -25,8 +25,8 @@
 
 #include "door_planner/door_planner.h"
 #include "door_planner/planner_feed.h"
+#include "pipeline/landmark_mirror.h"
 #include "ros/cause_log.h"
-#include "ros/landmark_mirror.h"
 #include "ros/plan_conversions.h"
 #include "vehicle/vehicle_config.h"
 
@@ -90,7 +90,7 @@ class DoorPlannerNode {
   std::mutex mutex_;  ///< over what follows; never held while the planner computes
   std::condition_variable changed_;
   core::PlannerFeed feed_;
-  LandmarkMirror mirror_;
+  core::LandmarkMirror mirror_;
   std::optional<core::Pose2> vehicle_;
   std::map<double, std::shared_ptr<const InformedPlaces>> level_sets_;  ///< by value
   std::optional<LivePlan> live_;

@@ -138,6 +138,11 @@ void HymmGridNode::process(const PairedScan& paired) {
     step.scan.reset();
     causes_.count("scans while paused", "Scans are not written while the node is paused.");
   }
+  if (paired.pose && paired.pose->suspended && step.scan) {
+    step.scan.reset();
+    causes_.count("scans while the filter waits",
+                  "Scans are not written while the relocaliser looks for the place.");
+  }
   core::MappedOutcome outcome = mapper_.process(step);
   outcome.topology = outcome.topology || begins_anew;
   tell(outcome, paired);

@@ -1,10 +1,12 @@
 #include "nodes/recorder_node.h"
 
+#include <iterator>
 #include <limits>
 
 #include "common/error.h"
 #include "ros/filter_conversions.h"
 #include "ros/map_conversions.h"
+#include "ros/pose_conversions.h"
 #include "ros/steady_time.h"
 
 namespace hymm {
@@ -34,6 +36,7 @@ RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConf
   subscribers_ = {
       handle_.subscribe("cekf/pose", kUnbounded, &RecorderNode::takePose, this, hints),
       handle_.subscribe("cekf/health", kUnbounded, &RecorderNode::takeHealth, this, hints),
+      handle_.subscribe("pose", kUnbounded, &RecorderNode::takePoseInCharge, this, hints),
       handle_.subscribe("landmarks", kUnbounded, &RecorderNode::takeMap, this, hints),
       handle_.subscribe("landmark_updates", kUnbounded, &RecorderNode::takeUpdate, this, hints),
       handle_.subscribe("gps/fix", kUnbounded, &RecorderNode::takeGps, this, hints),
@@ -52,6 +55,10 @@ void RecorderNode::takePose(const FilterPose& message) {
 void RecorderNode::takeHealth(const FilterHealth& message) {
   pairing_.add(message);
   addPairs();
+}
+
+void RecorderNode::takePoseInCharge(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  poses_[message.header.stamp.toSec()] = message.pose;
 }
 
 void RecorderNode::addPairs() {
@@ -79,6 +86,7 @@ void RecorderNode::addScan(const FilterAnswer& answer) {
 
 void RecorderNode::beginAnew(double time_s, const std::string& reason) {
   write(std::numeric_limits<double>::infinity());
+  poses_.clear();
   writer_.addReset(time_s, reason);
   gps_.reset();
 }
@@ -108,6 +116,12 @@ void RecorderNode::writeScan(core::ScanRecord scan) {
     statuses_.pop_front();
   }
   scan.mode = mode_;
+  const auto in_charge = poses_.find(scan.pose.time_s);
+  if (in_charge != poses_.end()) {
+    scan.pose.T_map_base = fromMessage(in_charge->second.pose);
+    scan.pose.covariance = planarCovariance(in_charge->second);
+    poses_.erase(poses_.begin(), std::next(in_charge));
+  }
   writer_.addScan(scan);
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <hymm/FilterHealth.h>
 #include <hymm/FilterPose.h>
 #include <hymm/FilterStatus.h>
@@ -17,12 +18,12 @@
 #include <ros/ros.h>
 #include <sensor_msgs/NavSatFix.h>
 
+#include "pipeline/landmark_mirror.h"
 #include "pipeline/results_writer.h"
 #include "ros/cause_log.h"
 #include "ros/filter_pairing.h"
 #include "ros/gps_converter.h"
 #include "ros/grid_record.h"
-#include "ros/landmark_mirror.h"
 #include "ros/level_set_record.h"
 #include "vehicle/vehicle_config.h"
 
@@ -50,6 +51,7 @@ class RecorderNode {
  private:
   void takePose(const FilterPose& message);
   void takeHealth(const FilterHealth& message);
+  void takePoseInCharge(const geometry_msgs::PoseWithCovarianceStamped& message);
   void takeMap(const LandmarkMap& message);
   void takeUpdate(const LandmarkUpdate& message);
   void takeGps(const sensor_msgs::NavSatFix& message);
@@ -70,12 +72,13 @@ class RecorderNode {
   LevelSetRecord level_sets_;
   CauseLog causes_;
   GpsConverter gps_;
-  LandmarkMirror landmarks_;
+  core::LandmarkMirror landmarks_;
   std::string mode_;                   ///< of the last scan that was written
   std::deque<FilterStatus> statuses_;  ///< that switched it later, as they came
   FilterPairing pairing_;
-  std::multimap<double, core::ScanRecord> scans_;  ///< by stamp, to be written
-  std::multimap<double, core::GpsFix> fixes_;      ///< by stamp, to be written
+  std::multimap<double, core::ScanRecord> scans_;              ///< by stamp, to be written
+  std::map<double, geometry_msgs::PoseWithCovariance> poses_;  ///< of the filter in charge
+  std::multimap<double, core::GpsFix> fixes_;                  ///< by stamp, to be written
   std::optional<FilterHealth> last_health_;
   double begin_wall_s_;
 

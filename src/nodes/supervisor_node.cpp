@@ -1,18 +1,24 @@
 #include "nodes/supervisor_node.h"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 
 #include <hymm/FilterStatus.h>
+#include <hymm/Resume.h>
 
 #include "ros/filter_conversions.h"
+#include "ros/map_conversions.h"
 #include "ros/pose_conversions.h"
 #include "ros/steady_time.h"
+#include "ros/time_conversions.h"
 
 namespace hymm {
 namespace {
 
 constexpr std::uint32_t kQueue = 10000;
 constexpr bool kLatched = true;
+constexpr double kLandmarkWait_s = 0.2;  // by the wall, for the landmarks of a pose
 
 }  // namespace
 
@@ -20,6 +26,7 @@ SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
                                const core::VehicleConfig& vehicle)
     : config_(config),
       tf_listener_(tf_),
+      relocaliser_(handle_, [this] { processAnswers(); }),
       map_odom_(tf_, vehicle, config.transform_wait_s),
       watch_(handle_, vehicle.odom_frame),
       trajectory_(vehicle.map_frame, config.trajectory_spacing_m,
@@ -32,15 +39,8 @@ SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
   trajectory_publisher_ = handle_.advertise<nav_msgs::Path>("trajectory", 2, kLatched);
   dead_reckoning_publisher_ = handle_.advertise<nav_msgs::Path>("dead_reckoning_path", 2, kLatched);
   gps_publisher_ = handle_.advertise<visualization_msgs::Marker>("gps_markers", 2, kLatched);
-  const auto hints = ros::TransportHints().tcpNoDelay();
-  pose_subscriber_ = handle_.subscribe("cekf/pose", kQueue, &SupervisorNode::takePose, this, hints);
-  health_subscriber_ =
-      handle_.subscribe("cekf/health", kQueue, &SupervisorNode::takeHealth, this, hints);
-  odometry_subscriber_ =
-      handle_.subscribe("odom", kQueue, &SupervisorNode::takeOdometry, this, hints);
-  gps_subscriber_ = handle_.subscribe("gps/fix", kQueue, &SupervisorNode::takeGps, this, hints);
-  initial_pose_subscriber_ =
-      handle_.subscribe("initialpose", 10, &SupervisorNode::takeInitialPose, this);
+  subscribe();
+  set_mode_service_ = handle_.advertiseService("set_mode", &SupervisorNode::setMode, this);
   diagnostics_.setHardwareID("none");
   diagnostics_.add("supervisor", this, &SupervisorNode::diagnose);
   diagnostics_timer_ = handle_.createSteadyTimer(
@@ -51,41 +51,118 @@ SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
   decide(ros::Time::now());
 }
 
+void SupervisorNode::subscribe() {
+  const auto hints = ros::TransportHints().tcpNoDelay();
+  const auto listen = [&](const char* topic, auto callback) {
+    subscribers_.push_back(handle_.subscribe(topic, kQueue, callback, this, hints));
+  };
+  listen("cekf/pose", &SupervisorNode::takePose);
+  listen("cekf/health", &SupervisorNode::takeHealth);
+  listen("landmarks", &SupervisorNode::takeMap);
+  listen("landmark_updates", &SupervisorNode::takeUpdate);
+  listen("grid_status", &SupervisorNode::takeGridStatus);
+  listen("odom", &SupervisorNode::takeOdometry);
+  listen("gps/fix", &SupervisorNode::takeGps);
+}
+
 void SupervisorNode::takePose(const FilterPose& message) {
   pairing_.add(message);
-  processPairs();
+  pairAnswers();
 }
 
 void SupervisorNode::takeHealth(const FilterHealth& message) {
   pairing_.add(message);
-  processPairs();
+  pairAnswers();
 }
 
-void SupervisorNode::processPairs() {
-  while (const std::optional<FilterAnswer> answer = pairing_.next()) process(*answer);
+void SupervisorNode::takeMap(const LandmarkMap& message) {
+  landmarks_.take(fromMessage(message));
+  processAnswers();
+}
+
+void SupervisorNode::takeUpdate(const LandmarkUpdate& message) {
+  landmarks_.take(fromMessage(message));  // what is missing comes with the next whole map
+  processAnswers();
+}
+
+void SupervisorNode::takeGridStatus(const GridStatus& message) {
+  agreement_.take(message.header.stamp.toSec(), message.agreement);
+}
+
+void SupervisorNode::pairAnswers() {
+  while (const std::optional<FilterAnswer> answer = pairing_.next()) {
+    answers_.push_back({*answer, steadyNow()});
+  }
+  processAnswers();
+}
+
+void SupervisorNode::processAnswers() {
+  while (!answers_.empty() && isComplete(answers_.front().answer, answers_.front().since_s)) {
+    const FilterAnswer answer = answers_.front().answer;
+    answers_.pop_front();
+    process(answer);
+  }
+}
+
+/// Whether all that the decision on a scan rests on has come, or will not come.
+bool SupervisorNode::isComplete(const FilterAnswer& answer, double since_s) const {
+  const double now_s = steadyNow();
+  const bool has_landmarks = landmarks_.map().version >= answer.pose.map_version;
+  if (!has_landmarks && now_s - since_s < kLandmarkWait_s) return false;
+  if (decision_.mode != core::FilterMode::kRelocalising) return true;
+  if (relocaliser_.hasAnswered(orders_, answer.pose.header.stamp)) return true;
+  const auto relocaliser = relocaliser_.evidence(orders_, now_s);
+  return !relocaliser || relocaliser->age_s > config_.pose_timeout_s;
 }
 
 void SupervisorNode::process(const FilterAnswer& answer) {
   const std_msgs::Header& header = answer.pose.header;
+  noteRestart(answer);
   if (header.stamp < pose_stamp_) {
     beginRecording();
   } else if (resets_ && answer.health.resets != *resets_) {
     beginMap();
   }
   resets_ = answer.health.resets;
+  filter_scans_ = answer.health.scans;
   pose_stamp_ = header.stamp;
   pose_wall_s_ = steadyNow();
   ++poses_;
-  geometry_msgs::PoseWithCovarianceStamped pose;
-  pose.header = header;
-  pose.pose = answer.pose.pose;
-  pose_publisher_.publish(pose);
-  const core::Pose2 T_map_base = fromMessage(answer.pose.pose.pose);
-  trajectory_.add(header.stamp, T_map_base);
-  gps_.addPose(header.stamp.toSec(), T_map_base);
-  map_odom_.setPose(header.stamp, T_map_base, *pose_wall_s_);
+  publishPose(answer);
   evidence_ = core::evidenceAtScan(fromMessage(answer.health));
+  const core::PoseEstimate pose = fromMessage(answer.pose);
+  evidence_.scan.disagreement = agreement_.disagreementAt(pose.time_s);
+  evidence_.scan.old_landmarks_expected = core::countOldLandmarksInView(
+      landmarks_.map().landmarks, pose.T_map_base * pose.T_base_sensor, pose.time_s,
+      config_.old_landmarks);
   decide(header.stamp);
+}
+
+/// The pose of the filter that is in charge of the scan.
+void SupervisorNode::publishPose(const FilterAnswer& answer) {
+  geometry_msgs::PoseWithCovarianceStamped pose;
+  pose.header = answer.pose.header;
+  pose.pose = answer.pose.pose;
+  if (decision_.mode == core::FilterMode::kRelocalising) {
+    if (const auto found = relocaliser_.poseAt(pose.header.stamp)) pose.pose = *found;
+  }
+  pose_publisher_.publish(pose);
+  const core::Pose2 T_map_base = fromMessage(pose.pose.pose);
+  trajectory_.add(pose.header.stamp, T_map_base);
+  gps_.addPose(pose.header.stamp.toSec(), T_map_base);
+  map_odom_.setPose(pose.header.stamp, T_map_base, *pose_wall_s_);
+}
+
+/// A filter that was killed and started anew has lost its map; nobody else can tell.
+void SupervisorNode::noteRestart(const FilterAnswer& answer) {
+  if (answer.health.scans >= filter_scans_) return;
+  lost_ = "cekf_slam was started anew: its map of " +
+          std::to_string(landmarks_.map().landmarks.size()) +
+          " landmarks is lost, and a new one begins where the vehicle was. ";
+  ROS_ERROR_STREAM(lost_);
+  landmarks_ = core::LandmarkMirror();
+  decision_.state = {};
+  beginMap();
 }
 
 void SupervisorNode::takeOdometry(const nav_msgs::Odometry& message) {
@@ -101,19 +178,31 @@ void SupervisorNode::takeOdometry(const nav_msgs::Odometry& message) {
 
 void SupervisorNode::takeGps(const sensor_msgs::NavSatFix& message) { gps_.addFix(message); }
 
-void SupervisorNode::takeInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
-  ++initial_poses_refused_;
-  core::SupervisorDecision told = decision_;
-  told.reason = "An initialpose in frame '" + message.header.frame_id +
-                "' is not followed: placing the vehicle in a map that exists takes the "
-                "relocaliser, which is not running. To begin a new map here, call 'reset'. " +
-                decision_.reason;
-  ROS_WARN_STREAM(told.reason);
-  publishStatus(told, ros::Time::now());
+bool SupervisorNode::setMode(SetMode::Request& request, SetMode::Response& response) {
+  const std::array<core::FilterMode, 2> modes = {core::FilterMode::kCekf,
+                                                 core::FilterMode::kRelocalising};
+  const auto* asked = std::find_if(modes.begin(), modes.end(), [&](core::FilterMode mode) {
+    return core::nameOf(mode) == request.mode;
+  });
+  if (asked == modes.end()) {
+    response.message =
+        "There is no mode '" + request.mode + "' to be asked for; it is CEKF or RELOCALISING.";
+    return true;
+  }
+  evidence_.requested = *asked;
+  decide(ros::Time::now());
+  response.success = static_cast<std::uint8_t>(decision_.mode == *asked);
+  response.message = decision_.reason;
+  if (response.success == 0U) {
+    response.message = "Nothing changes: no filter has given a pose yet, or no relocaliser runs. " +
+                       response.message;
+  }
+  return true;
 }
 
 void SupervisorNode::tick() {
   const double now_s = steadyNow();
+  processAnswers();
   map_odom_.broadcast(ros::Time::now(), now_s);
   decide(ros::Time::now());
   const bool due = now_s - trajectory_sent_s_ >= 1.0 / config_.trajectory_rate_hz;
@@ -130,16 +219,44 @@ void SupervisorNode::publishPaths() {
 }
 
 void SupervisorNode::decide(const ros::Time& stamp) {
-  if (pose_wall_s_) evidence_.pose_age_s = steadyNow() - *pose_wall_s_;
+  const double now_s = steadyNow();
+  if (pose_wall_s_) evidence_.pose_age_s = now_s - *pose_wall_s_;
   evidence_.odometry_problem = map_odom_.problem();
   evidence_.odometry_known = evidence_.odometry_problem.empty();
+  evidence_.relocaliser = relocaliser_.evidence(orders_, now_s);
+  if (relocaliser_.takeWish()) evidence_.requested = core::FilterMode::kRelocalising;
   const core::SupervisorDecision next = core::computeDecision(decision_.state, evidence_, config_);
   evidence_.new_scan = false;
+  evidence_.requested.reset();
   const bool tell = !status_sent_ || next.mode != decision_.mode ||
                     next.silent != decision_.silent ||
-                    next.without_odometry != decision_.without_odometry;
+                    next.without_odometry != decision_.without_odometry || !lost_.empty() ||
+                    next.action != core::SupervisorAction::kNothing;
+  if (core::isModeSwitch(decision_.mode, next.mode)) {
+    ++mode_switches_;
+    ROS_WARN_STREAM(core::nameOf(next.mode) << ": " << next.reason);
+  }
   decision_ = next;
+  decision_.reason = lost_ + decision_.reason;
+  lost_.clear();
+  act();
   if (tell) publishStatus(decision_, stamp);
+}
+
+/// What the relocaliser has to do, `filter_status` tells it.
+void SupervisorNode::act() {
+  if (decision_.action == core::SupervisorAction::kBeginRelocalising) ++orders_;
+  if (decision_.action != core::SupervisorAction::kResumeWithoutClosing) return;
+  Resume service;
+  service.request.way = Resume::Request::WITHOUT_CLOSING;
+  service.request.since = toRosTime(decision_.from_s);
+  calls_.run([name = handle_.resolveName("resume"), service]() mutable {
+    if (!ros::service::call(name, service)) {
+      ROS_ERROR_STREAM("The service '" << name << "' does not answer; does cekf_slam run?");
+    } else if (service.response.success == 0U) {
+      ROS_ERROR_STREAM("The CEKF goes on from where it is: " << service.response.message);
+    }
+  });
 }
 
 void SupervisorNode::publishStatus(const core::SupervisorDecision& decision,
@@ -148,6 +265,8 @@ void SupervisorNode::publishStatus(const core::SupervisorDecision& decision,
   message.header.stamp = stamp;
   message.mode = core::nameOf(decision.mode);
   message.reason = decision.reason;
+  message.in_good_order = toRosTime(decision.from_s);
+  message.order = orders_;
   for (const core::EvidenceFigure& figure : decision.figures) {
     Evidence evidence;
     evidence.name = figure.name;
@@ -163,7 +282,9 @@ void SupervisorNode::beginRecording() {
   ROS_WARN("The poses' time stamps ran back: another recording begins.");
   tf_.clear();
   map_odom_.reset();
-  decision_.state = {decision_.mode};
+  decision_.state = {};
+  agreement_.clear();
+  landmarks_ = core::LandmarkMirror();
   beginMap();
 }
 
@@ -182,7 +303,8 @@ void SupervisorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.summary(well ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
                  core::nameOf(decision_.mode) + ": " + decision_.reason);
   status.add("poses", poses_);
-  status.add("initialpose not followed", initial_poses_refused_);
+  status.add("mode switches", mode_switches_);
+  status.add("orders to the relocaliser", orders_);
   for (const core::EvidenceFigure& figure : decision_.figures)
     status.add(figure.name, figure.value);
   for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);

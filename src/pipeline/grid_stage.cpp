@@ -10,8 +10,10 @@ void GridStage::takeScan(const ScanStep& step, CekfSlam& filter) {
   mapped.pose = step.outcome.pose;
   mapped.update = step.update;
   mapped.map = step.map;
-  if (const auto* scan = std::get_if<ScanEvent>(&step.event)) mapped.scan = scan->scan;
+  const auto* scan = std::get_if<ScanEvent>(&step.event);
+  if (scan != nullptr && !step.outcome.suspended) mapped.scan = scan->scan;
   const MappedOutcome outcome = mapper_.process(mapped);
+  agreement_ = outcome.agreement;
   const double time_s = step.outcome.pose.time_s;
   if (outcome.topology) filter.pinLandmarks(time_s, mapper_.map().pinnedLandmarks());
   if (memory_due_.takeIfDue(time_s)) memory_log_.add(memoryOf(mapper_.map(), time_s));

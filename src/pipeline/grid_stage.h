@@ -22,9 +22,12 @@ class GridStage : public SuiteStage {
   void write(const std::filesystem::path& folder) override;
 
   const GridMapper& mapper() const { return mapper_; }
+  /// How well the last scan agrees with the map, where that was computed.
+  const std::optional<ScanAgreement>& agreement() const { return agreement_; }
 
  private:
   GridMapper mapper_;
+  std::optional<ScanAgreement> agreement_;
   MapImage image_;  ///< drawn at the end
   MapMemoryLog memory_log_;
   StampSchedule memory_due_{kMemoryLogPeriod_s};

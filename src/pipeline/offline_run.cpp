@@ -21,7 +21,10 @@ OfflineRun::OfflineRun(const SuiteConfig& config, const std::vector<std::string>
       merger_(config.cekf_slam.merger),
       filter_(config.cekf_slam, config.vehicle),
       map_schedule_(config.cekf_slam),
-      stages_(makeStages(nodes, config)) {}
+      stages_(makeStages(nodes, config)),
+      supervisor_(findSupervisor(stages_)) {
+  filter_.keepLocalStates(config.cekf_slam.local_states);
+}
 
 bool OfflineRun::process(SensorEvent event) {
   if (isScan(event)) ++scans_in_;
@@ -60,9 +63,8 @@ void OfflineRun::processReleased(const SensorEvent& event) {
 
 void OfflineRun::finishScan(const SensorEvent& event, const ScanOutcome& outcome) {
   if (log_ != nullptr) log_->add(outcome);
-  supervise(outcome);
-  results_.addScan({outcome.pose, outcome.health, nameOf(supervisor_.mode)});
   if (!stages_.empty()) serveStages(event, outcome);
+  record(outcome);
 }
 
 /// As FilterOutput publishes it: what changed with each scan, and now and then all landmarks.
@@ -83,13 +85,17 @@ void OfflineRun::writeFiles(const std::string& folder) {
   for (const auto& stage : stages_) stage->write(folder);
 }
 
-void OfflineRun::supervise(const ScanOutcome& outcome) {
-  const SupervisorDecision decision =
-      computeDecision(supervisor_, evidenceAtScan(outcome.health), config_.supervisor);
-  if (isModeSwitch(supervisor_.mode, decision.mode)) {
-    results_.addModeSwitch(outcome.pose.time_s, nameOf(decision.mode), decision.reason);
+void OfflineRun::record(const ScanOutcome& outcome) {
+  if (supervisor_ == nullptr) {
+    results_.addScan({outcome.pose, outcome.health, nameOf(FilterMode::kCekf)});
+    return;
   }
-  supervisor_ = decision.state;
+  const SupervisorDecision& decision = supervisor_->decision();
+  const std::string mode = nameOf(decision.mode);
+  if (supervisor_->hasSwitched()) {
+    results_.addModeSwitch(outcome.pose.time_s, mode, decision.reason);
+  }
+  results_.addScan({supervisor_->pose(), outcome.health, mode});
 }
 
 std::map<std::string, std::size_t> OfflineRun::incidents() const {

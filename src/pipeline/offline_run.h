@@ -13,7 +13,7 @@
 #include "pipeline/sensor_merger.h"
 #include "pipeline/suite_config.h"
 #include "pipeline/suite_stage.h"
-#include "supervisor/supervisor_decision.h"
+#include "pipeline/supervisor_stage.h"
 
 namespace hymm::core {
 
@@ -58,7 +58,7 @@ class OfflineRun {
   void processReleased(const SensorEvent& event);
   void finishScan(const SensorEvent& event, const ScanOutcome& outcome);
   void serveStages(const SensorEvent& event, const ScanOutcome& outcome);
-  void supervise(const ScanOutcome& outcome);
+  void record(const ScanOutcome& outcome);
 
   SuiteConfig config_;
   ResultsWriter& results_;
@@ -67,8 +67,8 @@ class OfflineRun {
   CekfSlam filter_;
   MapSchedule map_schedule_;
   std::vector<std::unique_ptr<SuiteStage>> stages_;
-  SupervisorState supervisor_;
-  std::size_t map_corrections_ = 0;  ///< up to the last scan
+  const SupervisorStage* supervisor_;  ///< one of the stages, if it runs
+  std::size_t map_corrections_ = 0;    ///< up to the last scan
   std::size_t scans_in_ = 0;
   std::map<std::string, std::size_t> incidents_;
 };

@@ -22,6 +22,7 @@ void SuiteConfig::describe(ConfigSchema& schema) {
   schema.group("hymm_grid", hymm_grid);
   schema.group("information_map", information_map);
   schema.group("door_planner", door_planner);
+  schema.group("relocaliser", relocaliser);
   schema.group("supervisor", supervisor);
 }
 

@@ -9,6 +9,7 @@
 #include "door_planner/door_planner_config.h"
 #include "information_map/information_map_config.h"
 #include "pipeline/hymm_grid_config.h"
+#include "relocaliser/relocaliser_config.h"
 #include "supervisor/supervisor_decision.h"
 #include "vehicle/dead_reckoning_config.h"
 #include "vehicle/vehicle_config.h"
@@ -24,6 +25,7 @@ struct SuiteConfig {
   HymmGridConfig hymm_grid;
   InformationMapConfig information_map;
   DoorPlannerConfig door_planner;
+  RelocaliserConfig relocaliser;
   SupervisorConfig supervisor;
   bool vehicle_tells_laser = false;  ///< whether a file said where the laser stands
 

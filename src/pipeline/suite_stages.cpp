@@ -6,6 +6,8 @@
 #include "pipeline/door_stage.h"
 #include "pipeline/grid_stage.h"
 #include "pipeline/information_stage.h"
+#include "pipeline/relocaliser_stage.h"
+#include "pipeline/supervisor_stage.h"
 
 namespace hymm::core {
 namespace {
@@ -32,6 +34,14 @@ const std::vector<StageKind>& stageKinds() {
        [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
          return std::make_unique<DoorStage>(config.door_planner);
        }},
+      {RelocaliserStage::kName,
+       [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
+         return std::make_unique<RelocaliserStage>(config.relocaliser, config.vehicle);
+       }},
+      {SupervisorStage::kName,
+       [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
+         return std::make_unique<SupervisorStage>(config.supervisor);
+       }},
   };
   return kinds;
 }
@@ -52,6 +62,9 @@ Stage* findStage(const std::vector<std::unique_ptr<SuiteStage>>& stages) {
 void connect(const std::vector<std::unique_ptr<SuiteStage>>& stages) {
   auto* doors = findStage<DoorStage>(stages);
   const auto* grid = findStage<GridStage>(stages);
+  if (auto* supervisor = findStage<SupervisorStage>(stages)) {
+    supervisor->watch(grid, findStage<RelocaliserStage>(stages));
+  }
   if (grid == nullptr) return;
   if (doors != nullptr) doors->readMapOf(grid->mapper());
   if (auto* information = findStage<InformationStage>(stages)) {
@@ -89,6 +102,10 @@ std::vector<std::string> chosenNodes(const std::vector<std::string>& only) {
     problems.push_back(std::string("--only: ") + DoorStage::kName + " needs " + GridStage::kName +
                        "; name it as well.");
   }
+  if (contains(only, RelocaliserStage::kName) && !contains(only, SupervisorStage::kName)) {
+    problems.push_back(std::string("--only: ") + RelocaliserStage::kName + " is asked by " +
+                       SupervisorStage::kName + "; name it as well.");
+  }
   if (!problems.empty()) throw ConfigError(problems);
   return only;
 }
@@ -101,6 +118,10 @@ std::vector<std::unique_ptr<SuiteStage>> makeStages(const std::vector<std::strin
   }
   connect(stages);
   return stages;
+}
+
+const SupervisorStage* findSupervisor(const std::vector<std::unique_ptr<SuiteStage>>& stages) {
+  return findStage<SupervisorStage>(stages);
 }
 
 }  // namespace hymm::core

@@ -9,6 +9,8 @@
 
 namespace hymm::core {
 
+class SupervisorStage;
+
 /// Names of the nodes that a run can have, in the order in which they work: the filter first, which
 /// is always there.
 std::vector<std::string> nodeNames();
@@ -24,5 +26,8 @@ std::vector<std::string> chosenNodes(const std::vector<std::string>& only);
 /// unusable.
 std::vector<std::unique_ptr<SuiteStage>> makeStages(const std::vector<std::string>& nodes,
                                                     const SuiteConfig& config);
+
+/// The supervisor among them; null if it does not run.
+const SupervisorStage* findSupervisor(const std::vector<std::unique_ptr<SuiteStage>>& stages);
 
 }  // namespace hymm::core

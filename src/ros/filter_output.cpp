@@ -42,6 +42,7 @@ void FilterOutput::publish(core::CekfSlam& filter, const core::ScanOutcome& outc
   send(updates_, update, scan.stamp);
   FilterPose pose = toMessage(outcome.pose, map_frame_);
   pose.resets = health.resets;
+  pose.suspended = outcome.suspended;
   send(pose_, pose, scan.stamp);
   send(health_, health, scan.stamp);
   if (observation_markers_.getNumSubscribers() > 0) {

@@ -2,10 +2,13 @@
 
 #include <set>
 
+#include "ros/pose_conversions.h"
 #include "ros/time_conversions.h"
 
 namespace hymm {
 namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr std::size_t kMostLandmarks = 1000;  // 32 MB of covariance
 
@@ -13,6 +16,10 @@ std::string listed(const std::set<int>& ids) {
   std::string list;
   for (const int id : ids) list += (list.empty() ? "" : ", ") + std::to_string(id);
   return list;
+}
+
+std::vector<double> numbersOf(const RowMajor& matrix) {
+  return {matrix.data(), matrix.data() + matrix.size()};
 }
 
 }  // namespace
@@ -48,10 +55,40 @@ GetJointCovariance::Response toMessage(const core::JointLandmarks& joint,
   message.header.frame_id = frame_id;
   message.version = joint.version;
   message.mean.assign(joint.mean.data(), joint.mean.data() + joint.mean.size());
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const RowMajor covariance = joint.covariance;
-  message.covariance.assign(covariance.data(), covariance.data() + covariance.size());
+  message.covariance = numbersOf(joint.covariance);
   return message;
+}
+
+GetJointCovariance::Response toMessage(const core::FilterKnowledge& knowledge,
+                                       const std::string& frame_id) {
+  const core::VehicleAmongLandmarks& estimate = knowledge.estimate;
+  GetJointCovariance::Response message = toMessage(estimate.landmarks, frame_id);
+  message.pose = toMessage(estimate.vehicle.mean, estimate.vehicle.covariance);
+  message.pose_covariance = numbersOf(estimate.cross_covariance);
+  Eigen::Map<Eigen::Vector3d>(message.calibration.data()) = knowledge.calibration.vector();
+  return message;
+}
+
+std::optional<core::FilterKnowledge> fromMessage(const GetJointCovariance::Response& message,
+                                                 const std::vector<int>& ids) {
+  const std::size_t states = 2 * ids.size();
+  if (message.mean.size() != states || message.covariance.size() != states * states ||
+      message.pose_covariance.size() != 3 * states) {
+    return std::nullopt;
+  }
+  const auto n = static_cast<Eigen::Index>(states);
+  core::FilterKnowledge knowledge;
+  core::VehicleAmongLandmarks& estimate = knowledge.estimate;
+  estimate.landmarks.version = message.version;
+  estimate.landmarks.time_s = message.header.stamp.toSec();
+  estimate.landmarks.ids = ids;
+  estimate.landmarks.mean = Eigen::Map<const Eigen::VectorXd>(message.mean.data(), n);
+  estimate.landmarks.covariance = Eigen::Map<const RowMajor>(message.covariance.data(), n, n);
+  estimate.vehicle = {fromMessage(message.pose.pose), planarCovariance(message.pose)};
+  estimate.cross_covariance = Eigen::Map<const RowMajor>(message.pose_covariance.data(), 3, n);
+  knowledge.calibration =
+      core::Calibration::fromVector(Eigen::Map<const Eigen::Vector3d>(message.calibration.data()));
+  return knowledge;
 }
 
 }  // namespace hymm

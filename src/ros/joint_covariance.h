@@ -1,12 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <hymm/GetJointCovariance.h>
 
 #include "cekf/landmark_map.h"
+#include "relocaliser/filter_link.h"
 
 /// The service `get_joint_covariance`.
 namespace hymm {
@@ -17,5 +19,12 @@ std::string problemOf(const GetJointCovariance::Request& request,
 
 GetJointCovariance::Response toMessage(const core::JointLandmarks& joint,
                                        const std::string& frame_id);
+GetJointCovariance::Response toMessage(const core::FilterKnowledge& knowledge,
+                                       const std::string& frame_id);
+
+/// What an answer tells of the landmarks `ids` and the vehicle; nothing if its arrays have not the
+/// sizes that this takes.
+std::optional<core::FilterKnowledge> fromMessage(const GetJointCovariance::Response& message,
+                                                 const std::vector<int>& ids);
 
 }  // namespace hymm

@@ -1,5 +1,6 @@
 #include <chrono>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +27,7 @@ struct Options {
   int robot = 1;
   std::vector<std::string> configs;
   std::string output;
-  std::size_t seed = 0;
+  std::optional<int> seed;
   bool observations = false;
   std::vector<std::string> only;
   std::vector<std::string> topics;
@@ -43,7 +44,8 @@ void describe(CLI::App& app, Options& options) {
   app.add_option("--robot", options.robot, "robot of an MRCLAM recording")->capture_default_str();
   app.add_option("--config", options.configs, "YAML files, in order over the built-in defaults");
   app.add_option("--output", options.output, "folder for the results; made if missing")->required();
-  app.add_option("--seed", options.seed, "of all randomness")->capture_default_str();
+  app.add_option("--seed", options.seed, "of all randomness; default: relocaliser/seed")
+      ->check(CLI::Range(0, std::numeric_limits<int>::max()));
   app.add_flag("--observations", options.observations,
                "also write observations.csv: each observation and its landmark");
   app.add_option("--only", options.only,
@@ -55,7 +57,8 @@ void describe(CLI::App& app, Options& options) {
 
 core::SuiteConfig readConfig(const Options& options) {
   core::ConfigReport report;
-  const core::SuiteConfig config = core::loadSuiteConfig(options.configs, report, configFolder);
+  core::SuiteConfig config = core::loadSuiteConfig(options.configs, report, configFolder);
+  config.relocaliser.seed = options.seed.value_or(config.relocaliser.seed);
   for (const std::string& warning : report.warnings) std::cerr << "Warning: " << warning << '\n';
   report.throwIfUnusable();
   return config;
@@ -89,7 +92,7 @@ void runOffline(const Options& options) {
   offline.writeFiles(options.output);
   core::RunTotals totals = offline.totals();
   totals.notes = notes;
-  totals.seed = options.seed;
+  totals.seed = static_cast<std::size_t>(config.relocaliser.seed);
   const ProcessUsage usage = processUsage();
   totals.peak_rss_mb = usage.peak_rss_mb;
   totals.cpu_s = usage.cpu_s;

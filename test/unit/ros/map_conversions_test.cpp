@@ -24,6 +24,7 @@ core::LandmarkEstimate landmark(int id) {
   landmark.diameter_variance = std::nan("");
   landmark.observations = 7;
   landmark.last_seen_s = 12.5;
+  landmark.first_seen_s = 3.25;
   return landmark;
 }
 
@@ -52,6 +53,7 @@ TEST(MapConversions, LandmarkMapSurvivesTheWayThroughAMessage) {
   EXPECT_TRUE(std::isnan(back.landmarks[1].diameter_m));
   EXPECT_EQ(back.landmarks[1].observations, 7);
   EXPECT_EQ(back.landmarks[1].last_seen_s, 12.5);
+  EXPECT_EQ(back.landmarks[1].first_seen_s, 3.25);
   ASSERT_EQ(back.merges.size(), 1U);
   EXPECT_EQ(back.merges[0].from_id, 5);
   EXPECT_EQ(back.merges[0].into_id, 3);
@@ -114,6 +116,44 @@ TEST(TimeConversions, WhatAStampCannotHoldIsNoStamp) {
   EXPECT_TRUE(toRosTime(std::nan("")).isZero());
   EXPECT_TRUE(toRosTime(1e12).isZero());
   EXPECT_EQ(toRosTime(1.25), ros::Time(1, 250000000));
+}
+
+TEST(JointCovariance, VehicleAmongLandmarksSurvivesTheWayThroughAMessage) {
+  core::FilterKnowledge knowledge;
+  core::VehicleAmongLandmarks& estimate = knowledge.estimate;
+  estimate.landmarks.version = 9;
+  estimate.landmarks.time_s = 12.5;
+  estimate.landmarks.ids = {4, 2};
+  estimate.landmarks.mean = Eigen::Vector4d(1.0, 2.0, 3.0, 4.0);
+  estimate.landmarks.covariance = Eigen::Vector4d(0.1, 0.2, 0.3, 0.4).asDiagonal();
+  estimate.landmarks.covariance(0, 3) = estimate.landmarks.covariance(3, 0) = 0.05;
+  estimate.vehicle.mean = {5.0, -6.0, 0.5};
+  estimate.vehicle.covariance = Eigen::Vector3d(0.5, 0.6, 0.07).asDiagonal();
+  estimate.cross_covariance = Eigen::MatrixXd::Zero(3, 4);
+  estimate.cross_covariance(2, 1) = 0.03;
+  knowledge.calibration = {1.02, 0.98, 0.004};
+
+  const auto message = toMessage(knowledge, "map");
+  const auto back = fromMessage(message, {4, 2});
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->estimate.landmarks.mean, estimate.landmarks.mean);
+  EXPECT_EQ(back->estimate.landmarks.covariance, estimate.landmarks.covariance);
+  EXPECT_EQ(back->estimate.landmarks.time_s, 12.5);
+  EXPECT_EQ(back->estimate.cross_covariance, estimate.cross_covariance);
+  EXPECT_EQ(back->estimate.vehicle.covariance, estimate.vehicle.covariance);
+  EXPECT_NEAR(back->estimate.vehicle.mean.yaw_rad, 0.5, 1e-12);
+  EXPECT_EQ(back->calibration.vector(), knowledge.calibration.vector());
+}
+
+TEST(JointCovariance, AnswerOfTheWrongSizeIsRefused) {
+  core::FilterKnowledge knowledge;
+  knowledge.estimate.landmarks.ids = {4};
+  knowledge.estimate.landmarks.mean = Eigen::Vector2d(1.0, 2.0);
+  knowledge.estimate.landmarks.covariance = Eigen::Matrix2d::Identity();
+  knowledge.estimate.cross_covariance = Eigen::MatrixXd::Zero(3, 2);
+  const auto message = toMessage(knowledge, "map");
+  EXPECT_TRUE(fromMessage(message, {4}));
+  EXPECT_FALSE(fromMessage(message, {4, 5}));
 }
 
 }  // namespace

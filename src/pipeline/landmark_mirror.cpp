@@ -1,21 +1,21 @@
-#include "ros/landmark_mirror.h"
+#include "pipeline/landmark_mirror.h"
 
 #include <algorithm>
 
-namespace hymm {
+namespace hymm::core {
 namespace {
 
 // As many scans as a map may take to be made.
 constexpr std::size_t kRecentChanges = 100;
 
-auto placeOf(std::vector<core::LandmarkEstimate>& landmarks, int id) {
+auto placeOf(std::vector<LandmarkEstimate>& landmarks, int id) {
   return std::lower_bound(landmarks.begin(), landmarks.end(), id,
                           [](const auto& landmark, int key) { return landmark.id < key; });
 }
 
 }  // namespace
 
-void LandmarkMirror::take(const core::LandmarkMap& map) {
+void LandmarkMirror::take(const LandmarkMap& map) {
   const auto later = std::find_if(recent_.begin(), recent_.end(), [&](const auto& update) {
     return update.since_version >= map.version;
   });
@@ -23,10 +23,10 @@ void LandmarkMirror::take(const core::LandmarkMap& map) {
   if (map.version < map_.version && !continues) return;
   map_ = map;
   recent_.erase(recent_.begin(), continues ? later : recent_.end());
-  for (const core::LandmarkUpdate& update : recent_) apply(update);
+  for (const LandmarkUpdate& update : recent_) apply(update);
 }
 
-bool LandmarkMirror::take(const core::LandmarkUpdate& update) {
+bool LandmarkMirror::take(const LandmarkUpdate& update) {
   if (update.version <= map_.version) return true;
   if (!recent_.empty() && recent_.back().version != update.since_version) recent_.clear();
   recent_.push_back(update);
@@ -36,14 +36,14 @@ bool LandmarkMirror::take(const core::LandmarkUpdate& update) {
   return true;
 }
 
-void LandmarkMirror::apply(const core::LandmarkUpdate& update) {
+void LandmarkMirror::apply(const LandmarkUpdate& update) {
   for (const int id : update.removed_ids) remove(id);
-  for (const core::LandmarkEstimate& landmark : update.changed) change(landmark);
+  for (const LandmarkEstimate& landmark : update.changed) change(landmark);
   map_.merges.insert(map_.merges.end(), update.merges.begin(), update.merges.end());
   map_.version = update.version;
 }
 
-void LandmarkMirror::change(const core::LandmarkEstimate& landmark) {
+void LandmarkMirror::change(const LandmarkEstimate& landmark) {
   const auto place = placeOf(map_.landmarks, landmark.id);
   if (place != map_.landmarks.end() && place->id == landmark.id) {
     *place = landmark;
@@ -57,4 +57,4 @@ void LandmarkMirror::remove(int id) {
   if (place != map_.landmarks.end() && place->id == id) map_.landmarks.erase(place);
 }
 
-}  // namespace hymm
+}  // namespace hymm::core

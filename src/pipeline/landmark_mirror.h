@@ -4,27 +4,27 @@
 
 #include "cekf/landmark_map.h"
 
-namespace hymm {
+namespace hymm::core {
 
 /// The filter's landmark map as messages tell it: whole maps now and then, changes in between. A
 /// whole map takes a while to be made: changes that overtook it are made again on it.
 class LandmarkMirror {
  public:
-  void take(const core::LandmarkMap& map);
+  void take(const LandmarkMap& map);
 
   /// Returns false if changes in between are missing: the mirror waits for the next whole map.
-  bool take(const core::LandmarkUpdate& update);
+  bool take(const LandmarkUpdate& update);
 
   /// Cross-covariances are those of the last whole map.
-  const core::LandmarkMap& map() const { return map_; }
+  const LandmarkMap& map() const { return map_; }
 
  private:
-  void apply(const core::LandmarkUpdate& update);
-  void change(const core::LandmarkEstimate& landmark);
+  void apply(const LandmarkUpdate& update);
+  void change(const LandmarkEstimate& landmark);
   void remove(int id);
 
-  core::LandmarkMap map_;
-  std::deque<core::LandmarkUpdate> recent_;  ///< the last changes, each following on the one before
+  LandmarkMap map_;
+  std::deque<LandmarkUpdate> recent_;  ///< the last changes, each following on the one before
 };
 
-}  // namespace hymm
+}  // namespace hymm::core

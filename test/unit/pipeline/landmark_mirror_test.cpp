@@ -1,12 +1,12 @@
-#include "ros/landmark_mirror.h"
+#include "pipeline/landmark_mirror.h"
 
 #include <gtest/gtest.h>
 
-namespace hymm {
+namespace hymm::core {
 namespace {
 
-core::LandmarkEstimate landmarkAt(int id, double x_m) {
-  core::LandmarkEstimate landmark;
+LandmarkEstimate landmarkAt(int id, double x_m) {
+  LandmarkEstimate landmark;
   landmark.id = id;
   landmark.position = {x_m, 0.0};
   return landmark;
@@ -15,7 +15,7 @@ core::LandmarkEstimate landmarkAt(int id, double x_m) {
 class LandmarkMirrorTest : public ::testing::Test {
  protected:
   LandmarkMirrorTest() {
-    core::LandmarkMap map;
+    LandmarkMap map;
     map.version = 10;
     map.landmarks = {landmarkAt(1, 1.0), landmarkAt(4, 4.0)};
     mirror_.take(map);
@@ -24,7 +24,7 @@ class LandmarkMirrorTest : public ::testing::Test {
 };
 
 TEST_F(LandmarkMirrorTest, AppliesWhatMovedCameAndWent) {
-  core::LandmarkUpdate update;
+  LandmarkUpdate update;
   update.since_version = 10;
   update.version = 12;
   update.changed = {landmarkAt(2, 2.0), landmarkAt(4, 4.5)};
@@ -37,7 +37,7 @@ TEST_F(LandmarkMirrorTest, AppliesWhatMovedCameAndWent) {
 }
 
 TEST_F(LandmarkMirrorTest, TellsThatChangesAreMissing) {
-  core::LandmarkUpdate update;
+  LandmarkUpdate update;
   update.since_version = 11;
   update.version = 12;
   update.removed_ids = {1};
@@ -46,12 +46,12 @@ TEST_F(LandmarkMirrorTest, TellsThatChangesAreMissing) {
 }
 
 TEST_F(LandmarkMirrorTest, IgnoresAMapThatAnUpdateHasOvertaken) {
-  core::LandmarkUpdate update;
+  LandmarkUpdate update;
   update.since_version = 10;
   update.version = 12;
   update.removed_ids = {1, 4};
   ASSERT_TRUE(mirror_.take(update));
-  core::LandmarkMap old;
+  LandmarkMap old;
   old.version = 11;
   old.landmarks = {landmarkAt(1, 1.0)};
   mirror_.take(old);
@@ -59,12 +59,12 @@ TEST_F(LandmarkMirrorTest, IgnoresAMapThatAnUpdateHasOvertaken) {
 }
 
 TEST_F(LandmarkMirrorTest, MakesChangesAgainOnAMapThatTheyOvertook) {
-  core::LandmarkUpdate update;
+  LandmarkUpdate update;
   update.since_version = 11;
   update.version = 12;
   update.removed_ids = {1};
   EXPECT_FALSE(mirror_.take(update));
-  core::LandmarkMap late;
+  LandmarkMap late;
   late.version = 11;
   late.landmarks = {landmarkAt(1, 1.0), landmarkAt(7, 7.0)};
   mirror_.take(late);
@@ -74,4 +74,4 @@ TEST_F(LandmarkMirrorTest, MakesChangesAgainOnAMapThatTheyOvertook) {
 }
 
 }  // namespace
-}  // namespace hymm
+}  // namespace hymm::core
