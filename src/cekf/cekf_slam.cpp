@@ -36,6 +36,11 @@ bool isUsable(const Observation& observation) {
 // Beyond the reach of a sensor and of a large correction, a landmark's place may lag behind.
 constexpr double kRefreshRadius_m = 100.0;
 
+// Of a vehicle that was carried: far beyond what particles that have converged leave open, and what
+// a scan's way is.
+constexpr double kElsewhereDeviation_m = 5.0;
+constexpr double kElsewhereDeviation_rad = 0.3;
+
 /// Any diameter that a trunk may have is as likely as any other.
 DiameterPrior diameterPrior(const TrunkConfig& trunks) {
   return {0.5 * (trunks.min_diameter_m + trunks.max_diameter_m),
@@ -255,11 +260,13 @@ class CekfSlam::Impl {
 
   bool isSuspended() const { return waiting_.has_value(); }
 
-  Resumption resume(double time_T0_s, const std::vector<PlaceAtScan>& path) {
+  Resumption resume(double time_T0_s, const std::vector<PlaceAtScan>& path, bool elsewhere) {
     const std::string problem = pathProblem(time_T0_s, path);
     if (!problem.empty()) return refuse(Resumption::Refusal::kUnusablePath, problem);
-    return goBackAndOn(
-        time_T0_s, [&](const LocalStateRing::Events& events) { return replayAlong(path, events); });
+    return goBackAndOn(time_T0_s, [&](const LocalStateRing::Events& events) {
+      if (elsewhere) beginElsewhere(path.front().T_map_base);
+      return replayAlong(path, events);
+    });
   }
 
   Resumption resumeWithoutClosing(double time_T0_s) {
@@ -564,6 +571,20 @@ class CekfSlam::Impl {
     return set;
   }
 
+  /// Gives up what the filter holds of the pose: as a motion that has forgotten where it came from.
+  void beginElsewhere(const Pose2& T_map_base) {
+    Eigen::VectorXd vehicle = estimate_.filter.vehicle();
+    vehicle.head<3>() = T_map_base.vector();
+    Eigen::MatrixXd J = Eigen::MatrixXd::Identity(vehicle.size(), vehicle.size());
+    Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(vehicle.size(), vehicle.size());
+    J.topLeftCorner<3, 3>().setZero();
+    Q.diagonal().head<3>() << kElsewhereDeviation_m * kElsewhereDeviation_m,
+        kElsewhereDeviation_m * kElsewhereDeviation_m,
+        kElsewhereDeviation_rad * kElsewhereDeviation_rad;
+    estimate_.filter.predict(vehicle, J, Q);
+    estimate_.vehicle.linearisePositionAt(T_map_base.position());
+  }
+
   /// An event that moves the vehicle only.
   void moveAlong(const SensorEvent& event, Resumption& result) {
     if (const auto* input = std::get_if<MotionInput>(&event)) takeMotion(*input);
@@ -805,7 +826,10 @@ std::optional<LocalStateSpan> CekfSlam::localStates() const { return impl_->loca
 bool CekfSlam::suspend(double time_T0_s) { return impl_->suspend(time_T0_s); }
 bool CekfSlam::isSuspended() const { return impl_->isSuspended(); }
 Resumption CekfSlam::resume(double time_T0_s, const std::vector<PlaceAtScan>& path) {
-  return impl_->resume(time_T0_s, path);
+  return impl_->resume(time_T0_s, path, false);
+}
+Resumption CekfSlam::resumeElsewhere(double time_T0_s, const std::vector<PlaceAtScan>& path) {
+  return impl_->resume(time_T0_s, path, true);
 }
 Resumption CekfSlam::resumeWithoutClosing(double time_T0_s) {
   return impl_->resumeWithoutClosing(time_T0_s);

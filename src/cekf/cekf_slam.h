@@ -181,6 +181,10 @@ class CekfSlam {
   /// there on scans are processed as ever. The path's errors do not enter the filter: it only tells
   /// which is which. If refused, all is as before, and those scans are kept still.
   Resumption resume(double time_T0_s, const std::vector<PlaceAtScan>& path);
+  /// The same for a vehicle that was carried, or never was where it was taken to be: what the
+  /// filter holds of the pose at T0 is given up first. It begins anew at the path, independent of
+  /// all else and as good as unknown, so that the landmarks alone tell where the vehicle is.
+  Resumption resumeElsewhere(double time_T0_s, const std::vector<PlaceAtScan>& path);
   /// Goes back to the scan at T0 and on to now as if nothing had been observed since: dead
   /// reckoning, no loop is closed. Refused only if the scan is not kept.
   Resumption resumeWithoutClosing(double time_T0_s);

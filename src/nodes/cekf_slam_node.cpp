@@ -231,6 +231,8 @@ bool CekfSlamNode::resume(Resume::Request& request, Resume::Response& response) 
   core::Resumption resumption;
   if (request.way == Resume::Request::CLOSING) {
     resumption = filter_.resume(from_s, fromMessage(request.path));
+  } else if (request.way == Resume::Request::ELSEWHERE) {
+    resumption = filter_.resumeElsewhere(from_s, fromMessage(request.path));
   } else if (request.way == Resume::Request::WITHOUT_CLOSING) {
     resumption = filter_.resumeWithoutClosing(from_s);
   } else {

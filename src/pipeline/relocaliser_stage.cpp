@@ -66,9 +66,11 @@ std::optional<FilterKnowledge> RelocaliserStage::EngineLink::ask(const std::vect
   return FilterKnowledge{answer.get(), filter->calibration()};
 }
 
-FilterLink::ResumeAnswer RelocaliserStage::EngineLink::resume(
-    double time_T0_s, const std::vector<PlaceAtScan>& path) {
-  const Resumption resumption = filter->resume(time_T0_s, path);
+FilterLink::ResumeAnswer RelocaliserStage::EngineLink::resume(double time_T0_s,
+                                                              const std::vector<PlaceAtScan>& path,
+                                                              bool elsewhere) {
+  const Resumption resumption =
+      elsewhere ? filter->resumeElsewhere(time_T0_s, path) : filter->resume(time_T0_s, path);
   return {resumption.accepted(), resumption.reason};
 }
 

@@ -32,7 +32,8 @@ class RelocaliserStage : public SuiteStage {
     std::vector<LandmarkEstimate> landmarks() override;
     std::string suspend(double time_T0_s) override;
     std::optional<FilterKnowledge> ask(const std::vector<int>& ids, std::string& problem) override;
-    ResumeAnswer resume(double time_T0_s, const std::vector<PlaceAtScan>& path) override;
+    ResumeAnswer resume(double time_T0_s, const std::vector<PlaceAtScan>& path,
+                        bool elsewhere) override;
 
     CekfSlam* filter = nullptr;  ///< of the call that is on
   };

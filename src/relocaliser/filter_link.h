@@ -33,8 +33,10 @@ class FilterLink {
     bool accepted = false;
     std::string sentence;  ///< what was done, or why not
   };
-  /// Hands the way back since the scan at T0, see CekfSlam::resume().
-  virtual ResumeAnswer resume(double time_T0_s, const std::vector<PlaceAtScan>& path) = 0;
+  /// Hands the way back since the scan at T0, see CekfSlam::resume(); `elsewhere`: see
+  /// CekfSlam::resumeElsewhere().
+  virtual ResumeAnswer resume(double time_T0_s, const std::vector<PlaceAtScan>& path,
+                              bool elsewhere) = 0;
 };
 
 }  // namespace hymm::core

@@ -96,6 +96,7 @@ const SearchReport& Relocalisation::begin(const SearchOrder& order) {
     return report_;
   }
   const std::optional<SearchWish> wish = std::exchange(wish_, std::nullopt);
+  is_elsewhere_ = wish.has_value();
   if (wish) {
     beginAround(*wish);
   } else {
@@ -212,7 +213,7 @@ void Relocalisation::confirm() {
 
 void Relocalisation::resume() {
   const FilterLink::ResumeAnswer answer =
-      filter_.resume(order_.from_s, search_.wayFrom(order_.from_s));
+      filter_.resume(order_.from_s, search_.wayFrom(order_.from_s), is_elsewhere_);
   search_.end();
   tell(answer.accepted ? SearchState::kAccepted : SearchState::kRefused, answer.sentence);
 }

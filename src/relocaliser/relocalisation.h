@@ -92,6 +92,7 @@ class Relocalisation {
   std::uint64_t wishes_ = 0;
   std::uint64_t searches_ = 0;
   SearchOrder order_;
+  bool is_elsewhere_ = false;  ///< an operator asked: the filter's pose is not to be believed
   SearchReport report_;
 };
 

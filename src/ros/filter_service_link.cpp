@@ -66,10 +66,11 @@ std::optional<core::FilterKnowledge> FilterServiceLink::ask(const std::vector<in
   return knowledge;
 }
 
-core::FilterLink::ResumeAnswer FilterServiceLink::resume(
-    double time_T0_s, const std::vector<core::PlaceAtScan>& path) {
+core::FilterLink::ResumeAnswer FilterServiceLink::resume(double time_T0_s,
+                                                         const std::vector<core::PlaceAtScan>& path,
+                                                         bool elsewhere) {
   Resume service;
-  service.request.way = Resume::Request::CLOSING;
+  service.request.way = elsewhere ? Resume::Request::ELSEWHERE : Resume::Request::CLOSING;
   service.request.since = toRosTime(time_T0_s);
   service.request.path = toMessage(path, map_frame_);
   const std::string problem = call("resume", service);

@@ -27,7 +27,8 @@ class FilterServiceLink : public core::FilterLink {
   std::string suspend(double time_T0_s) override;
   std::optional<core::FilterKnowledge> ask(const std::vector<int>& ids,
                                            std::string& problem) override;
-  ResumeAnswer resume(double time_T0_s, const std::vector<core::PlaceAtScan>& path) override;
+  ResumeAnswer resume(double time_T0_s, const std::vector<core::PlaceAtScan>& path,
+                      bool elsewhere) override;
 
  private:
   /// Why the call did not come to pass; empty if it was answered.

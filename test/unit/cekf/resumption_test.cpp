@@ -242,6 +242,40 @@ TEST(Resumption, RefusesWhatContradictsTheCovariances) {
   EXPECT_TRUE(slam.resume(36.0, {recording.truth[74]}).accepted());
 }
 
+SensorEvent shifted(SensorEvent event, double by_s) {
+  if (auto* set = std::get_if<ObservationSet>(&event)) {
+    set->time_s += by_s;
+  } else if (auto* input = std::get_if<MotionInput>(&event)) {
+    std::visit([&](auto& motion) { motion.time_s += by_s; }, *input);
+  }
+  return event;
+}
+
+TEST(Resumption, TakesOverAPlaceThatTheVehicleWasCarriedTo) {
+  const Recording recording = record(200);
+  constexpr double kThere_s = 20.0, kDriven_s = 4.0;
+  CekfSlam slam = newSlam();
+  feed(slam, recording, -1.0, kEnd_s);
+  ASSERT_TRUE(slam.suspend(kEnd_s));
+  const auto is_driven = [&](double time_s) {
+    return time_s > kThere_s && time_s <= kThere_s + kDriven_s;
+  };
+  for (const SensorEvent& event : recording.events) {
+    if (is_driven(timeOf(event))) slam.process(shifted(event, kEnd_s - kThere_s));
+  }
+  std::vector<PlaceAtScan> path;
+  for (PlaceAtScan place : recording.truth) {
+    if (!is_driven(place.time_s)) continue;
+    place.time_s += kEnd_s - kThere_s;
+    path.push_back(place);
+  }
+  EXPECT_FALSE(slam.resume(kEnd_s, path).accepted());
+  const Resumption outcome = slam.resumeElsewhere(kEnd_s, path);
+  ASSERT_TRUE(outcome.accepted()) << outcome.reason;
+  const Eigen::Vector2d found = slam.pose().T_map_base.position();
+  EXPECT_LT((found - path.back().T_map_base.position()).norm(), 0.5);
+}
+
 TEST(Resumption, WithoutClosingGoesOnByDeadReckoning) {
   const Recording recording = record(200);
   CekfSlam slam = newSlam();

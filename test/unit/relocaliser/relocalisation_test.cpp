@@ -57,7 +57,9 @@ class StandingFilter : public FilterLink {
     knowledge.estimate.vehicle = vehicle;
     return knowledge;
   }
-  ResumeAnswer resume(double time_T0_s, const std::vector<PlaceAtScan>& path) override {
+  ResumeAnswer resume(double time_T0_s, const std::vector<PlaceAtScan>& path,
+                      bool elsewhere) override {
+    is_elsewhere = elsewhere;
     resumed_s = time_T0_s;
     way = path;
     return {accepts, accepts ? "The loop is closed." : "It does not fit."};
@@ -67,6 +69,7 @@ class StandingFilter : public FilterLink {
   PosePrior vehicle;  ///< at T0
   std::string problem;
   bool accepts = true;
+  bool is_elsewhere = false;
   std::optional<double> suspended_s, resumed_s;
   std::vector<PlaceAtScan> way;
 };
@@ -144,6 +147,7 @@ TEST_F(RelocalisationTest, FindsTheVehicleFromTheLastGoodScanAndHandsBackTheWay)
   ASSERT_EQ(found.state, SearchState::kAccepted) << found.reason;
   EXPECT_EQ(found.reason, "The loop is closed.");
   EXPECT_EQ(filter_.resumed_s, good_s_);
+  EXPECT_FALSE(filter_.is_elsewhere);
   ASSERT_FALSE(filter_.way.empty());
   EXPECT_THAT(filter_.way, Each(Field(&PlaceAtScan::time_s, Gt(good_s_))));
   EXPECT_EQ(filter_.way.back().time_s, time_s_);
@@ -200,6 +204,7 @@ TEST_F(RelocalisationTest, LooksWhereAnOperatorPointsTo) {
   EXPECT_EQ(relocalisation_.wishes(), 1U);
   relocalisation_.begin({1, time_s_});
   EXPECT_EQ(driveUntilDecided().state, SearchState::kAccepted) << relocalisation_.report().reason;
+  EXPECT_TRUE(filter_.is_elsewhere);
   EXPECT_NEAR(filter_.way.back().T_map_base.x_m, pose_.x_m, 0.2);
 }
 
@@ -211,6 +216,7 @@ TEST_F(RelocalisationTest, LooksAnywhereAndThenConfirmsThePlace) {
   EXPECT_EQ(driveUntilDecided().state, SearchState::kAccepted) << relocalisation_.report().reason;
   EXPECT_FALSE(relocalisation_.report().anywhere);
   EXPECT_EQ(relocalisation_.searches(), 2U);
+  EXPECT_TRUE(filter_.is_elsewhere);
   EXPECT_NEAR(filter_.way.back().T_map_base.x_m, pose_.x_m, 0.2);
 }
 
