@@ -42,6 +42,19 @@ std::vector<std::vector<ActiveEntry>> activeByTile(const IntervalEffect& effect,
   return entries;
 }
 
+/// tile <- tile - T_i' * T_j, the columns of T being those of the tile's rows and columns; of a
+/// tile on the diagonal, the lower triangle.
+void subtractProduct(const MatrixXd& T, int i, int j, double* tile) {
+  const int rank = rowsOf(T);
+  const double* T_i = T.data() + static_cast<std::ptrdiff_t>(i) * kTile * rank;
+  const double* T_j = T.data() + static_cast<std::ptrdiff_t>(j) * kTile * rank;
+  if (i == j) {
+    blas::syrkLower(true, kTile, rank, -1.0, T_i, rank, tile, kTile);
+  } else {
+    blas::gemm(true, false, kTile, kTile, rank, -1.0, T_i, rank, T_j, rank, tile, kTile);
+  }
+}
+
 }  // namespace
 
 PassiveStore::PassiveStore(SerialWorker::Mode mode)
@@ -235,19 +248,12 @@ void PassiveStore::replaceTiles(Update& update) {
   }
   const auto active = activeByTile(effect, tiles_.tileRows());
 
-  const int rank = rowsOf(T);
   VectorXd variances(tiles_.size());
   TiledSymmetricMatrix::Tile fresh = TiledSymmetricMatrix::newTile();
   for (int i = 0; i < tiles_.tileRows() && !abandoned_; ++i) {
-    const double* T_i = T.data() + static_cast<std::ptrdiff_t>(i) * kTile * rank;
     for (int j = 0; j <= i; ++j) {
-      const double* T_j = T.data() + static_cast<std::ptrdiff_t>(j) * kTile * rank;
       std::copy_n(tiles_.tile(i, j), kTile * kTile, fresh.get());
-      if (i == j) {
-        blas::syrkLower(true, kTile, rank, -1.0, T_i, rank, fresh.get(), kTile);
-      } else {
-        blas::gemm(true, false, kTile, kTile, rank, -1.0, T_i, rank, T_j, rank, fresh.get(), kTile);
-      }
+      subtractProduct(T, i, j, fresh.get());
       Eigen::Map<Eigen::Matrix<double, kTile, kTile>> tile(fresh.get());
       for (const ActiveEntry& entry : active[static_cast<std::size_t>(j)]) {
         tile.col(entry.offset) = P_active_all.row(entry.row).segment<kTile>(i * kTile).transpose();

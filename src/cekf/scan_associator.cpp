@@ -40,7 +40,8 @@ ScanAssociator::ScanAssociator(const AssociationConfig& config, std::optional<do
     : config_(config),
       relinearise_m_(relinearise_m),
       individual_gate_(chiSquareQuantile(config.individual_probability, 2)),
-      new_landmark_gate_(chiSquareQuantile(config.new_landmark_probability, 2)),
+      wider_gate_(
+          std::max(individual_gate_, chiSquareQuantile(config.new_landmark_probability, 2))),
       identity_gate_(chiSquareQuantile(config.identity_probability, 2)),
       least_log_odds_(-std::log(config.coincidence_probability)),
       joint_({chiSquareQuantile(config.unpaired_probability, 2), config.joint_probability,
@@ -138,50 +139,42 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, const Sensor
   }
 }
 
-std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
-    const ObservationSet& set, const SensorPlacement& sensor, int observation_index,
-    LandmarkRegistry& registry, CompressedEkf& filter, ScanAssociation& result) const {
-  const auto i = static_cast<std::size_t>(observation_index);
-  const Observation& observation = set.observations[i];
-  const Eigen::MatrixXd P_vv = filter.vehicleCovariance();
+ScanAssociator::SearchCircle ScanAssociator::searchCircle(const Observation& observation,
+                                                          const SensorPlacement& sensor,
+                                                          const CompressedEkf& filter) const {
   const LocatedLandmark located =
       locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
                      observation.range_m - sensor.range_offset_m, observation.bearing_rad);
   const auto G = vehicleJacobian(located, sensor, filter.vehicleStates());
-  const Matrix2d own = G * P_vv * G.transpose() + located.G_measurement * observation.covariance *
-                                                      located.G_measurement.transpose();
+  const Matrix2d covariance =
+      G * filter.vehicleCovariance() * G.transpose() +
+      located.G_measurement * observation.covariance * located.G_measurement.transpose();
+  return {located.position,
+          kSearchMargin_m + std::sqrt(wider_gate_) * largestDeviation(covariance)};
+}
+
+std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
+    const ObservationSet& set, const SensorPlacement& sensor, int observation_index,
+    LandmarkRegistry& registry, CompressedEkf& filter, ScanAssociation& result) const {
+  const auto i = static_cast<std::size_t>(observation_index);
+  const SearchCircle circle = searchCircle(set.observations[i], sensor, filter);
   // The deviation of a difference is at most the sum of both deviations.
-  const double gate = std::sqrt(std::max(new_landmark_gate_, individual_gate_));
-  const double own_reach_m = kSearchMargin_m + gate * largestDeviation(own);
-  const double reach_m = own_reach_m + gate * registry.largestDeviation();
+  const double gate = std::sqrt(wider_gate_);
+  const double reach_m = circle.own_reach_m + gate * registry.largestDeviation();
 
   std::vector<Candidate> candidates;
-  for (const int slot : registry.slotsNear(located.position, reach_m)) {
+  for (const int slot : registry.slotsNear(circle.centre, reach_m)) {
     RegisteredLandmark& landmark = registry.bySlot(slot);
-    const double distance_m = (landmark.position - located.position).norm();
-    if (distance_m > own_reach_m + gate * landmark.deviation_m) continue;
+    const double distance_m = (landmark.position - circle.centre).norm();
+    if (distance_m > circle.own_reach_m + gate * landmark.deviation_m) continue;
+    bool is_claimed = false;
     if (std::find(result.slots.begin(), result.slots.end(), slot) != result.slots.end()) {
-      result.claimed[i] = true;  // by an observation that tells its identity
-      continue;
+      is_claimed = true;  // by an observation that tells its identity
+    } else if (auto found = candidate(set.observations[i], sensor, landmark, filter, is_claimed)) {
+      found->pairing.observation = observation_index;
+      candidates.push_back(*found);
     }
-    Candidate candidate;
-    candidate.sighting = observation;
-    candidate.measurement = measure(candidate.sighting, sensor, landmark, filter);
-    const Matrix2d S = filter.innovationCovariance(candidate.measurement, candidate.measurement) +
-                       candidate.measurement.noise;
-    const Vector2d& innovation = candidate.measurement.innovation;
-    const double distance2 = innovation.dot(S.inverse() * innovation);
-    const double chance_density = config_.unmapped_density_per_m2 * observation.range_m;
-    const bool is_near = distance2 <= std::max(new_landmark_gate_, individual_gate_);
-    if (is_near && isPlaceKnown(S, chance_density)) result.claimed[i] = true;
-    if (distance2 > individual_gate_ || !mayBeOneKind(observation.type, landmark.type)) continue;
-    const double cue = config_.use_diameter
-                           ? diameterCost(observation, landmark, config_.diameter_irregularity_m)
-                           : 0.0;
-    if (cue > joint_.limits().unpaired_cost) continue;
-    candidate.pairing = {observation_index, slot, innovation, cue, chance_density};
-    candidate.distance2 = distance2;
-    candidates.push_back(candidate);
+    if (is_claimed) result.claimed[i] = true;
   }
   if (candidates.size() > kMaxCandidates) {
     std::stable_sort(candidates.begin(), candidates.end(),
@@ -189,6 +182,32 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
     candidates.resize(kMaxCandidates);
   }
   return candidates;
+}
+
+/// Nothing if the landmark is not compatible. `is_claimed`: whether it is so near that the
+/// observation is of no new landmark.
+std::optional<ScanAssociator::Candidate> ScanAssociator::candidate(const Observation& observation,
+                                                                   const SensorPlacement& sensor,
+                                                                   RegisteredLandmark& landmark,
+                                                                   CompressedEkf& filter,
+                                                                   bool& is_claimed) const {
+  Candidate candidate;
+  candidate.sighting = observation;
+  candidate.measurement = measure(candidate.sighting, sensor, landmark, filter);
+  const Matrix2d S = filter.innovationCovariance(candidate.measurement, candidate.measurement) +
+                     candidate.measurement.noise;
+  const Vector2d& innovation = candidate.measurement.innovation;
+  candidate.distance2 = innovation.dot(S.inverse() * innovation);
+  const double chance_density = config_.unmapped_density_per_m2 * observation.range_m;
+  is_claimed = candidate.distance2 <= wider_gate_ && isPlaceKnown(S, chance_density);
+  if (candidate.distance2 > individual_gate_) return std::nullopt;
+  if (!mayBeOneKind(observation.type, landmark.type)) return std::nullopt;
+  const double cue = config_.use_diameter
+                         ? diameterCost(observation, landmark, config_.diameter_irregularity_m)
+                         : 0.0;
+  if (cue > joint_.limits().unpaired_cost) return std::nullopt;
+  candidate.pairing = {0, landmark.slot, innovation, cue, chance_density};
+  return candidate;
 }
 
 /// Nearest pairs first, each observation and each landmark once: what a filter does that looks at

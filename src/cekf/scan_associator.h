@@ -50,6 +50,14 @@ class ScanAssociator {
   /// Bounds the work in a world denser than the parameters expect.
   static constexpr std::size_t kMaxCandidates = 5;
 
+  /// Where an observation may find its landmarks.
+  struct SearchCircle {
+    Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< map frame, m
+    double own_reach_m = 0.0;  ///< from the centre to a landmark that is known exactly
+  };
+
+  SearchCircle searchCircle(const Observation& observation, const SensorPlacement& sensor,
+                            const CompressedEkf& filter) const;
   bool isPlaceKnown(const Eigen::Matrix2d& S, double chance_density) const;
   /// The measurement of a landmark, which is made active. `sighting`: the observation, which
   /// becomes what it is for the landmark's diameter.
@@ -62,6 +70,9 @@ class ScanAssociator {
                                              const SensorPlacement& sensor, int observation,
                                              LandmarkRegistry& registry, CompressedEkf& filter,
                                              ScanAssociation& result) const;
+  std::optional<Candidate> candidate(const Observation& observation, const SensorPlacement& sensor,
+                                     RegisteredLandmark& landmark, CompressedEkf& filter,
+                                     bool& is_claimed) const;
   void chooseNearest(const std::vector<Candidate>& candidates, ScanAssociation& result) const;
   void chooseJointly(const std::vector<Candidate>& candidates, const CompressedEkf& filter,
                      ScanAssociation& result) const;
@@ -69,7 +80,7 @@ class ScanAssociator {
   AssociationConfig config_;
   std::optional<double> relinearise_m_;
   double individual_gate_;
-  double new_landmark_gate_;
+  double wider_gate_;  ///< of that and the gate around which no new landmark starts
   double identity_gate_;
   double least_log_odds_;
   JointCompatibility joint_;
