@@ -54,17 +54,17 @@ void DenseSlam::moveTo(double time_s) {
     VectorXd state = filter_.vehicle();
     const core::MotionStep step =
         model_.step(pose(), input_, Calibration::fromVector(state.tail<3>()),
-                    time_s_ - timeOf(input_), duration_s, {state[kError], state[kError + 1]});
-    const double kept = std::exp(-duration_s / model_.correlationTime());
+                    time_s_ - timeOf(input_), duration_s, {state[kError], state[kError + 1], 0.0});
+    const Eigen::Array2d kept = (-duration_s / model_.correlationTimes().head<2>().array()).exp();
     MatrixXd J = MatrixXd::Identity(kStates, kStates), Q = MatrixXd::Zero(kStates, kStates);
     J.topLeftCorner<3, 3>() = step.J_pose;
-    J.block<3, 2>(0, kError) = step.J_error;
-    J.block<2, 2>(kError, kError) *= kept;
+    J.block<3, 2>(0, kError) = step.J_error.leftCols<2>();
+    J.diagonal().segment<2>(kError) = kept;
     J.block<3, 3>(0, kCalibration) = step.J_calibration;
     Q.topLeftCorner<3, 3>() = step.white_noise;
-    Q.diagonal().segment<2>(kError).setConstant(1.0 - kept * kept);
+    Q.diagonal().segment<2>(kError) = 1.0 - kept.square();
     state.head<3>() = step.pose.vector();
-    state.segment<2>(kError) *= kept;
+    state.segment<2>(kError).array() *= kept;
     filter_.predict(state, J, Q);
   }
   time_s_ = time_s;

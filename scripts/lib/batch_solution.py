@@ -4,7 +4,8 @@ filter (it shares none of its code), and a source of noise parameters: the varia
 how large each kind of error really was.
 
 Model: scan k+1 is where the encoders lead from scan k; speed and steering have first-order
-Gauss-Markov errors e (in units of their deviations), side slip is white; an observation is range and
+Gauss-Markov errors e (in units of their deviations; of steering, one that is constant and one that is
+relative to the angle), side slip is white; an observation is range and
 bearing from the laser at the stamp plus a time offset. A gross error counts less (Cauchy weights)."""
 
 import numpy as np
@@ -20,7 +21,8 @@ USUAL = ("speed_scale", "steering_scale", "steering_offset_rad", "laser_yaw_rad"
          "time_offset_s")
 CAR = {"wheelbase": 2.83, "encoder_left": 0.76, "laser": (3.78, 0.5)}
 CAUCHY = 6.0
-STATES = 5  # of a scan: x, y, yaw, error of speed, error of steering
+ERRORS = ("speed_error", "steering_error", "steering_relative_error")
+STATES = 3 + len(ERRORS)  # of a scan: x, y, yaw, errors
 
 
 def read_motion(bag):
@@ -68,7 +70,7 @@ class BatchSolution:
         self.times, self.poses = trajectory[:, 0], trajectory[:, 1:4].copy()
         self.poses[:, 2] = np.unwrap(self.poses[:, 2])
         self.start = self.poses[0].copy()
-        self.errors = np.zeros((len(self.times), 2))
+        self.errors = np.zeros((len(self.times), len(ERRORS)))
         self.calibration = {name: PRIORS[name][0] for name in PRIORS}
         self.scan = np.searchsorted(self.times, observations["t"] - 1e-6)
         self.ids, self.landmark = np.unique(observations["landmark"].astype(int),
@@ -105,12 +107,13 @@ class BatchSolution:
     def _steps(self, calibration, errors):
         """Displacements between scans, in the frame of the first: rows of forward, left, turn."""
         n = self.noise
-        steering_deviation = np.hypot(n["steering_deviation_rad"],
-                                      n["steering_deviation_relative"] * self.steering)
+        relative_deviation = n["steering_deviation_relative"] * self.steering
         speed_deviation = np.hypot(n["speed_deviation_mps"],
                                    n["speed_deviation_relative"] * self.speed)
         t = np.tan(calibration["steering_scale"] * self.steering +
-                   calibration["steering_offset_rad"] + steering_deviation * errors[:, 1:])
+                   calibration["steering_offset_rad"] +
+                   n["steering_deviation_rad"] * errors[:, 1:2] +
+                   relative_deviation * errors[:, 2:])
         wheel = calibration["speed_scale"] * self.speed + speed_deviation * errors[:, :1]
         speed = wheel / (1.0 - t * CAR["encoder_left"] / CAR["wheelbase"])
         turns = speed * t / CAR["wheelbase"] * self.piece_s
@@ -140,7 +143,7 @@ class BatchSolution:
             moved = {**self.calibration, name: self.calibration[name] + h}
             by_calibration[k] = (self._steps(moved, middle) - steps) / h
         by_error = [(self._steps(self.calibration, middle + h * axis) - steps) / h
-                    for axis in np.eye(2)]
+                    for axis in np.eye(len(ERRORS))]
         c, s = np.cos(self.poses[:-1, 2]), np.sin(self.poses[:-1, 2])
         d = np.diff(self.poses, axis=0)
         local = np.c_[c * d[:, 0] + s * d[:, 1], -s * d[:, 0] + c * d[:, 1], wrapped(d[:, 2])]
@@ -156,7 +159,7 @@ class BatchSolution:
         for axis, (deviation, gradient) in enumerate(zip(deviations, gradients)):
             entries = [(state + k, gradient[k] / deviation) for k in range(3)]
             entries += [(state + STATES + k, gradient[3 + k] / deviation) for k in range(3)]
-            for k in range(2):
+            for k in range(len(ERRORS)):
                 half = -0.5 * by_error[k][:, axis] / deviation
                 entries += [(state + 3 + k, half), (state + STATES + 3 + k, half)]
             entries += [(self._width + k, -J[:, axis] / deviation)
@@ -169,9 +172,11 @@ class BatchSolution:
 
     def _add_errors(self, rows):
         state = STATES * np.arange(len(self.duration))
-        kept = np.exp(-self.duration / self.noise["correlation_time_s"])
-        renewed = np.sqrt(1.0 - kept ** 2)
-        for k, name in enumerate(("speed_error", "steering_error")):
+        persistence = [self.noise[key] for key in ("speed_correlation_time_s", "correlation_time_s",
+                                                   "turn_relative_correlation_time_s")]
+        for k, (name, persists_s) in enumerate(zip(ERRORS, persistence)):
+            kept = np.exp(-self.duration / persists_s)
+            renewed = np.sqrt(1.0 - kept ** 2)
             self.blocks[name] = rows.add(
                 (self.errors[1:, k] - kept * self.errors[:-1, k]) / renewed,
                 [(state + 3 + k, -kept / renewed), (state + STATES + 3 + k, 1.0 / renewed)])

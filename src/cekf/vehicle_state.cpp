@@ -11,6 +11,9 @@ VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_g
     : model_(vehicle),
       hold_limit_s_(vehicle.noise.hold_limit_s),
       at_first_estimates_(at_first_estimates) {
+  const double relative =
+      twist ? vehicle.noise.yaw_rate_deviation_relative : vehicle.noise.steering_deviation_relative;
+  if (relative > 0.0) turn_relative_index_ = size_++;
   const CalibrationPrior& prior = vehicle.calibration;
   calibration_deviation_ = {
       prior.speed_scale_deviation, prior.turn_scale_deviation,
@@ -43,6 +46,7 @@ Eigen::VectorXd VehicleState::initialState() const {
 Eigen::MatrixXd VehicleState::initialCovariance() const {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size_, size_);
   covariance.block<2, 2>(kErrorIndex, kErrorIndex).setIdentity();
+  if (turn_relative_index_ >= 0) covariance(turn_relative_index_, turn_relative_index_) = 1.0;
   for (std::size_t k = 0; k < 3; ++k) {
     const int index = calibration_index_[k];
     if (index >= 0)
@@ -64,8 +68,7 @@ SensorPlacement VehicleState::placement(const Pose2& T_base_sensor,
   sensor.range_offset_state = laser_range_.index;
   if (laser_time_.index < 0) return sensor;
 
-  const BodyVelocity v =
-      model_.velocity(input_, calibration(state), {state[kErrorIndex], state[kErrorIndex + 1]});
+  const BodyVelocity v = model_.velocity(input_, calibration(state), motionError(state));
   const Eigen::Vector2d velocity(v.forward_mps, v.lateral_mps);
   const double dt = laser_time_.valueIn(state), turn = v.yaw_rate_radps * dt;
   const Eigen::Vector2d moved = Arc(turn).V() * velocity * dt;
@@ -95,6 +98,11 @@ Calibration VehicleState::calibration(const Eigen::VectorXd& state) const {
     if (index >= 0) values[k] = state[index];
   }
   return Calibration::fromVector(values);
+}
+
+MotionError VehicleState::motionError(const Eigen::VectorXd& state) const {
+  return {state[kErrorIndex], state[kErrorIndex + 1],
+          turn_relative_index_ >= 0 ? state[turn_relative_index_] : 0.0};
 }
 
 Eigen::Matrix3d VehicleState::calibrationCovariance(
@@ -136,9 +144,8 @@ void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
   }
 
   Eigen::VectorXd state = filter.vehicle();
-  const MotionStep step =
-      model_.step(Pose2::fromVector(state.head<3>()), input_, calibration(state), age_s, duration_s,
-                  {state[kErrorIndex], state[kErrorIndex + 1]});
+  const MotionStep step = model_.step(Pose2::fromVector(state.head<3>()), input_,
+                                      calibration(state), age_s, duration_s, motionError(state));
   const Pose2 corrected = Pose2::fromVector(state.head<3>());
   state.head<3>() = step.pose.vector();
   Eigen::MatrixXd J = Eigen::MatrixXd::Identity(size_, size_);
@@ -153,13 +160,19 @@ void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
     if (index >= 0) J.block<3, 1>(0, index) = step.J_calibration.col(k);
   }
   // The errors decay and are renewed, so that their deviation stays one.
-  const double kept = std::exp(-duration_s / model_.correlationTime());
-  state.segment<2>(kErrorIndex) *= kept;
-  J.block<3, 2>(0, kErrorIndex) = step.J_error;
-  J.block<2, 2>(kErrorIndex, kErrorIndex) *= kept;
+  const Eigen::Vector3d times_s = model_.correlationTimes();
+  const std::array<int, 3> errors{kErrorIndex, kErrorIndex + 1, turn_relative_index_};
   Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(size_, size_);
   Q.topLeftCorner<3, 3>() = step.white_noise;
-  Q(kErrorIndex, kErrorIndex) = Q(kErrorIndex + 1, kErrorIndex + 1) = 1.0 - kept * kept;
+  for (int k = 0; k < 3; ++k) {
+    const int index = errors[static_cast<std::size_t>(k)];
+    if (index < 0) continue;
+    const double kept = std::exp(-duration_s / times_s[k]);
+    state[index] *= kept;
+    J.block<3, 1>(0, index) = step.J_error.col(k);
+    J(index, index) = kept;
+    Q(index, index) = 1.0 - kept * kept;
+  }
   filter.predict(state, J, Q);
   time_s_ = time_s;
 }

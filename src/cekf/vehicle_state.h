@@ -42,6 +42,7 @@ class VehicleState {
     return Pose2::fromVector(filter.vehicle().head<3>());
   }
   Calibration calibration(const Eigen::VectorXd& state) const;
+  MotionError motionError(const Eigen::VectorXd& state) const;
   /// Errors of the laser as estimated; what is not estimated is zero.
   LaserCalibration laserCalibration(const CompressedEkf& filter) const;
   /// Covariance of (speed scale, turn scale, turn offset); zero for what is not estimated.
@@ -78,7 +79,8 @@ class VehicleState {
   std::array<double, 3> calibration_deviation_{0.0, 0.0, 0.0};
   LaserError laser_yaw_, laser_range_, laser_time_;
   int gps_datum_index_ = -1;
-  static constexpr int kErrorIndex = 3;
+  static constexpr int kErrorIndex = 3;  ///< of the speed's error, then the turn's
+  int turn_relative_index_ = -1;         ///< of the turn's relative error, if there is such a part
   int size_ = 5;
 
   bool at_first_estimates_;

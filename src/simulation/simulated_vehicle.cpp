@@ -32,10 +32,10 @@ SimulatedVehicle::SimulatedVehicle(const VehicleConfig& vehicle,
       generator_(generator),
       calibration_{sensor.speed_scale, sensor.turn_scale, sensor.turn_offset},
       follower_(route, drive, vehicle, speed_mps),
-      speed_noise_(vehicle.noise.correlation_time_s, generator_),
-      relative_speed_noise_(vehicle.noise.correlation_time_s, generator_),
+      speed_noise_(vehicle.noise.correlationTimes_s()[0], generator_),
+      relative_speed_noise_(vehicle.noise.correlationTimes_s()[0], generator_),
       turn_noise_(vehicle.noise.correlation_time_s, generator_),
-      relative_turn_noise_(vehicle.noise.correlation_time_s, generator_),
+      relative_turn_noise_(vehicle.noise.correlationTimes_s()[2], generator_),
       slip_noise_(vehicle.noise.correlation_time_s, generator_),
       pose_(route.at(0.0)) {
   drawCalibration();

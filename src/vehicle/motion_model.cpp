@@ -38,12 +38,12 @@ BodyVelocity MotionModel::velocity(const AckermannInput& input, const Calibratio
   const double L = geometry_.wheelbase_m, H = geometry_.encoder_offset_left_m;
   const double speed_deviation =
       std::hypot(noise_.speed_deviation_mps, noise_.speed_deviation_relative * input.speed_mps);
-  const double steering_deviation = std::hypot(
-      noise_.steering_deviation_rad, noise_.steering_deviation_relative * input.steering_rad);
+  const double relative_deviation = noise_.steering_deviation_relative * input.steering_rad;
   const double wheel_speed =
       calibration.speed_scale * input.speed_mps + speed_deviation * error.speed;
   const double steering = calibration.turn_scale * input.steering_rad + calibration.turn_offset +
-                          steering_deviation * error.turn;
+                          noise_.steering_deviation_rad * error.turn +
+                          relative_deviation * error.turn_relative;
   double t = std::tan(std::clamp(steering, -1.4, 1.4));
   if (t * H / L > kLargestWheelShare) t = kLargestWheelShare * L / H;
   const double D = 1.0 - t * H / L;
@@ -58,7 +58,8 @@ BodyVelocity MotionModel::velocity(const AckermannInput& input, const Calibratio
       (1.0 + t * t) *
       Eigen::Vector3d(d_forward_by_t, 0.0, (v.forward_mps + t * d_forward_by_t) / L);
   v.J_calibration << input.speed_mps * d_speed, input.steering_rad * d_steering, d_steering;
-  v.J_error << speed_deviation * d_speed, steering_deviation * d_steering;
+  v.J_error << speed_deviation * d_speed, noise_.steering_deviation_rad * d_steering,
+      relative_deviation * d_steering;
   v.white_density(1, 1) =
       densityOf(noise_.lateral_deviation_relative * v.forward_mps, noise_.correlation_time_s);
   return v;
@@ -79,18 +80,17 @@ BodyVelocity MotionModel::velocity(const TwistInput& input, const Calibration& c
   } else {
     const double speed_deviation =
         std::hypot(noise_.speed_deviation_mps, noise_.speed_deviation_relative * speed);
-    const double yaw_rate_deviation = std::hypot(
-        noise_.yaw_rate_deviation_radps, noise_.yaw_rate_deviation_relative * input.yaw_rate_radps);
-    v.J_error << speed_deviation * direction.x(), 0.0,  //
-        speed_deviation * direction.y(), 0.0,           //
-        0.0, yaw_rate_deviation;
+    v.J_error << speed_deviation * direction.x(), 0.0, 0.0,  //
+        speed_deviation * direction.y(), 0.0, 0.0,           //
+        0.0, noise_.yaw_rate_deviation_radps,
+        noise_.yaw_rate_deviation_relative * input.yaw_rate_radps;
     v.white_density(1, 1) =
         densityOf(noise_.lateral_deviation_relative * speed, noise_.correlation_time_s);
   }
   v.forward_mps = calibration.speed_scale * input.forward_mps + v.J_error(0, 0) * error.speed;
   v.lateral_mps = calibration.speed_scale * input.lateral_mps + v.J_error(1, 0) * error.speed;
   v.yaw_rate_radps = calibration.turn_scale * input.yaw_rate_radps + calibration.turn_offset +
-                     v.J_error(2, 1) * error.turn;
+                     v.J_error(2, 1) * error.turn + v.J_error(2, 2) * error.turn_relative;
   return v;
 }
 
@@ -123,7 +123,8 @@ MotionStep MotionModel::step(const Pose2& pose, const MotionInput& input,
     Eigen::Matrix3d density = v.white_density;
     density.diagonal() += gapDensity(age_s + duration_s);
     step.white_noise = J_velocity * density * J_velocity.transpose() / duration_s;
-    step.noise = step.white_noise + 2.0 * noise_.correlation_time_s / duration_s * step.J_error *
+    step.noise = step.white_noise + step.J_error *
+                                        (2.0 / duration_s * correlationTimes()).asDiagonal() *
                                         step.J_error.transpose();
   }
   return step;

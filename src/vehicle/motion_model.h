@@ -21,10 +21,14 @@ struct Calibration {
 };
 
 /// Errors of the motion input that persist for a while (MotionNoise), in units of their deviations:
-/// the true speed and turn are those measured, plus error times deviation.
+/// the true speed and turn are those measured, plus error times deviation. The turn's error has a
+/// constant part and one that is relative to the turn, of the turn's sign.
 struct MotionError {
   double speed = 0.0;
   double turn = 0.0;
+  double turn_relative = 0.0;
+
+  static MotionError fromVector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 };
 
 /// Velocity of base_link after calibration, and how it depends on calibration and errors.
@@ -33,7 +37,7 @@ struct BodyVelocity {
   double lateral_mps = 0.0;
   double yaw_rate_radps = 0.0;
   Eigen::Matrix3d J_calibration = Eigen::Matrix3d::Zero();  ///< d(forward, lateral, yaw rate)/d(c)
-  Eigen::Matrix<double, 3, 2> J_error = Eigen::Matrix<double, 3, 2>::Zero();  ///< by MotionError
+  Eigen::Matrix3d J_error = Eigen::Matrix3d::Zero();        ///< by MotionError
   Eigen::Matrix3d white_density = Eigen::Matrix3d::Zero();  ///< all other noise, (unit)^2 * s
 
   /// Of the velocity at one moment, with white noise averaged over twice the correlation time.
@@ -47,7 +51,7 @@ struct MotionStep {
   Pose2 pose;
   Eigen::Matrix3d J_pose = Eigen::Matrix3d::Identity();     ///< d(pose')/d(pose)
   Eigen::Matrix3d J_calibration = Eigen::Matrix3d::Zero();  ///< d(pose')/d(calibration)
-  Eigen::Matrix<double, 3, 2> J_error = Eigen::Matrix<double, 3, 2>::Zero();  ///< by MotionError
+  Eigen::Matrix3d J_error = Eigen::Matrix3d::Zero();        ///< by MotionError
   Eigen::Matrix3d white_noise = Eigen::Matrix3d::Zero();  ///< covariance added, without MotionError
   Eigen::Matrix3d noise =
       Eigen::Matrix3d::Zero();  ///< covariance added, MotionError taken as white
@@ -75,8 +79,8 @@ class MotionModel {
   MotionStep step(const Pose2& pose, const MotionInput& input, const Calibration& calibration,
                   double age_s, double duration_s, const MotionError& error = {}) const;
 
-  /// How long MotionError persists.
-  double correlationTime() const { return noise_.correlation_time_s; }
+  /// How long each MotionError persists [s].
+  Eigen::Vector3d correlationTimes() const { return noise_.correlationTimes_s(); }
 
  private:
   Eigen::Vector3d gapDensity(double age_s) const;

@@ -31,13 +31,25 @@ void MotionNoise::describe(ConfigSchema& schema) {
   schema.number("lateral_deviation_relative", lateral_deviation_relative, Range::notNegative(),
                 "side slip, as a share of the speed");
   schema.number("correlation_time_s", correlation_time_s, Range::positive(),
-                "how long these errors persist");
+                "how long these errors persist, but for the two below");
+  schema.number("speed_correlation_time_s", speed_correlation_time_s, Range::notNegative(),
+                "how long the speed's error persists; 0: as the others");
+  schema.number(
+      "turn_relative_correlation_time_s", turn_relative_correlation_time_s, Range::notNegative(),
+      "how long the relative part of the steering's or yaw rate's error persists: where it "
+      "is a linkage that is not linear, about as long as a manoeuvre; 0: as the others");
   schema.number("hold_limit_s", hold_limit_s, Range::positive(),
                 "longest time for which an input is trusted after its stamp");
   schema.number("gap_acceleration_mps2", gap_acceleration_mps2, Range::notNegative(),
                 "growth of the speed's deviation once an input is no longer trusted");
   schema.number("gap_yaw_rate_deviation_radps", gap_yaw_rate_deviation_radps, Range::notNegative(),
                 "deviation of the yaw rate once an input is no longer trusted");
+}
+
+Eigen::Vector3d MotionNoise::correlationTimes_s() const {
+  const auto known = [this](double time_s) { return time_s > 0.0 ? time_s : correlation_time_s; };
+  return {known(speed_correlation_time_s), correlation_time_s,
+          known(turn_relative_correlation_time_s)};
 }
 
 void CalibrationPrior::describe(ConfigSchema& schema) {

@@ -37,6 +37,11 @@ struct MotionNoise {
   double yaw_rate_deviation_relative = 0.05;  ///< twist, of the yaw rate
   double lateral_deviation_relative = 0.01;   ///< side slip, of the speed
   double correlation_time_s = 0.5;
+  double speed_correlation_time_s = 0.0;          ///< of the speed's error; 0: the same
+  double turn_relative_correlation_time_s = 0.0;  ///< of the turn's relative part; 0: the same
+
+  /// By MotionError: of speed, turn, the turn's relative part.
+  Eigen::Vector3d correlationTimes_s() const;
   double hold_limit_s = 0.5;                  ///< longest time an input is trusted
   double gap_acceleration_mps2 = 1.0;         ///< growth of the speed's deviation beyond that
   double gap_yaw_rate_deviation_radps = 0.3;  ///< of the yaw rate beyond that

@@ -123,18 +123,18 @@ class ShadowedDrive {
     const core::MotionStep step =
         model_.step(core::Pose2::fromVector(state.head<3>()), input,
                     core::Calibration::fromVector(state.segment<3>(kCalibration)), 0.0, kPeriod_s,
-                    {state[kError], state[kError + 1]});
-    const double kept = std::exp(-kPeriod_s / model_.correlationTime());
+                    {state[kError], state[kError + 1], 0.0});
+    const Eigen::Array2d kept = (-kPeriod_s / model_.correlationTimes().head<2>().array()).exp();
     Eigen::MatrixXd J = Eigen::MatrixXd::Identity(kStates, kStates);
     Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(kStates, kStates);
     J.topLeftCorner<3, 3>() = step.J_pose;
-    J.block<3, 2>(0, kError) = step.J_error;
-    J.block<2, 2>(kError, kError) *= kept;
+    J.block<3, 2>(0, kError) = step.J_error.leftCols<2>();
+    J.diagonal().segment<2>(kError) = kept;
     J.block<3, 3>(0, kCalibration) = step.J_calibration;
     Q.topLeftCorner<3, 3>() = step.white_noise;
-    Q.diagonal().segment<2>(kError).setConstant(1.0 - kept * kept);
+    Q.diagonal().segment<2>(kError) = 1.0 - kept.square();
     state.head<3>() = step.pose.vector();
-    state.segment<2>(kError) *= kept;
+    state.segment<2>(kError).array() *= kept;
     filter.predict(state, J, Q);
   }
 

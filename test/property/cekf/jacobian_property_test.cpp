@@ -95,22 +95,24 @@ RC_GTEST_PROP(MotionModel, HasTheErrorJacobiansOfVelocityAndStep, ()) {
   const Calibration calibration = anyCalibration();
   const Pose2 pose{anyNumber(-50.0, 50.0), anyNumber(-50.0, 50.0), anyNumber(-1.0, 1.0)};
   const double duration_s = anyNumber(0.001, 0.5);
-  const Vector2d error(anyNumber(-2.0, 2.0), anyNumber(-2.0, 2.0));
+  const Vector3d error(anyNumber(-2.0, 2.0), anyNumber(-2.0, 2.0), anyNumber(-2.0, 2.0));
   const MatrixXd of_velocity = numericJacobian(
       [&](const VectorXd& e) -> VectorXd {
-        const BodyVelocity v = model.velocity(input, calibration, {e[0], e[1]});
+        const BodyVelocity v = model.velocity(input, calibration, MotionError::fromVector(e));
         return Vector3d(v.forward_mps, v.lateral_mps, v.yaw_rate_radps);
       },
       error);
-  RC_ASSERT(isNear(model.velocity(input, calibration, {error[0], error[1]}).J_error, of_velocity));
+  RC_ASSERT(isNear(model.velocity(input, calibration, MotionError::fromVector(error)).J_error,
+                   of_velocity));
   const MatrixXd of_step = numericJacobian(
       [&](const VectorXd& e) -> VectorXd {
-        return model.step(pose, input, calibration, 0.0, duration_s, {e[0], e[1]}).pose.vector();
+        return model.step(pose, input, calibration, 0.0, duration_s, MotionError::fromVector(e))
+            .pose.vector();
       },
       error);
-  RC_ASSERT(
-      isNear(model.step(pose, input, calibration, 0.0, duration_s, {error[0], error[1]}).J_error,
-             of_step));
+  RC_ASSERT(isNear(
+      model.step(pose, input, calibration, 0.0, duration_s, MotionError::fromVector(error)).J_error,
+      of_step));
 }
 
 /// The vehicle's states after one step, from `state` of unit covariance, and the Jacobian that the

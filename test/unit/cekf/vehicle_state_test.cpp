@@ -1,5 +1,6 @@
 #include "cekf/vehicle_state.h"
 
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -79,6 +80,33 @@ TEST(VehicleState, LeavesOutWhatIsKnownForCertain) {
   EXPECT_EQ(sensor.range_offset_state, -1);
   EXPECT_EQ(sensor.time_offset_state, -1);
   EXPECT_EQ(vehicle.laserCalibration(filter).deviation, Eigen::Vector3d::Zero());
+}
+
+/// Deviation of the heading after a turn of some seconds, to the left and at once to the right or
+/// to the left again.
+double headingDeviationAfterTurns(double persists_s, double second_steering_rad) {
+  VehicleConfig config;
+  config.noise.steering_deviation_rad = 0.0;
+  config.noise.steering_deviation_relative = 0.05;
+  config.noise.turn_relative_correlation_time_s = persists_s;
+  VehicleState vehicle(config, false, false);
+  CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance());
+  for (int i = 0; i <= 40; ++i) {
+    vehicle.takeInput(filter, AckermannInput{0.1 * i, 3.0, i < 20 ? 0.3 : second_steering_rad});
+  }
+  return std::sqrt(filter.vehicleCovariance()(2, 2));
+}
+
+TEST(VehicleState, CarriesTheRelativeErrorOfTheTurnAsAStateWhereThereIsOne) {
+  VehicleConfig config;
+  const int without = VehicleState(config, false, false).size();
+  config.noise.steering_deviation_relative = 0.05;
+  EXPECT_EQ(VehicleState(config, false, false).size(), without + 1);
+}
+
+TEST(VehicleState, LetsARelativeErrorThatPersistsCancelBetweenLeftAndRight) {
+  EXPECT_GT(headingDeviationAfterTurns(60.0, 0.3), 2.0 * headingDeviationAfterTurns(0.2, 0.3));
+  EXPECT_LT(headingDeviationAfterTurns(60.0, -0.3), 0.2 * headingDeviationAfterTurns(60.0, 0.3));
 }
 
 /// Turning the whole map about its origin moves the vehicle like this, and nothing measures it.

@@ -72,5 +72,14 @@ TEST(VehicleConfig, RefusesImpossibleBodies) {
   EXPECT_EQ(report.errors.size(), 6U);
 }
 
+TEST(MotionNoise, PersistsAsLongForAllErrorsUnlessTold) {
+  MotionNoise noise;
+  noise.correlation_time_s = 0.3;
+  EXPECT_EQ(noise.correlationTimes_s(), Eigen::Vector3d(0.3, 0.3, 0.3));
+  noise.speed_correlation_time_s = 1.2;
+  noise.turn_relative_correlation_time_s = 5.0;
+  EXPECT_EQ(noise.correlationTimes_s(), Eigen::Vector3d(1.2, 0.3, 5.0));
+}
+
 }  // namespace
 }  // namespace hymm::core
