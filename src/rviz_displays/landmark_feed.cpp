@@ -31,7 +31,7 @@ void LandmarkFeed::stop() {
 }
 
 void LandmarkFeed::clear() {
-  mirror_ = LandmarkMirror();
+  mirror_ = core::LandmarkMirror();
   frame_.clear();
   last_stamp_ = ros::Time();
   gap_ = false;
@@ -70,7 +70,7 @@ void LandmarkFeed::takeMap(const LandmarkMap& message) {
   if (!isUsable(map.landmarks, "a map")) return;
   // A lower version is late, unless its stamp is the latest: then the filter began anew.
   if (map.version < mirror_.map().version && message.header.stamp > last_stamp_) {
-    mirror_ = LandmarkMirror();
+    mirror_ = core::LandmarkMirror();
   }
   last_stamp_ = std::max(last_stamp_, message.header.stamp);
   mirror_.take(map);

@@ -6,7 +6,7 @@
 #include <hymm/LandmarkUpdate.h>
 #include <ros/ros.h>
 
-#include "ros/landmark_mirror.h"
+#include "pipeline/landmark_mirror.h"
 
 namespace hymm {
 
@@ -43,7 +43,7 @@ class LandmarkFeed {
 
   std::string map_topic_;
   ros::Subscriber map_subscriber_, update_subscriber_;
-  LandmarkMirror mirror_;
+  core::LandmarkMirror mirror_;
   std::string frame_;  ///< empty until a map came
   ros::Time last_stamp_;
   bool news_ = true;
