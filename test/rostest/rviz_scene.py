@@ -30,7 +30,7 @@ class Scene:
     """`side` x `side` landmarks, `step` metres apart, and two LTRs in each square between them."""
 
     def __init__(self, side, step, cells):
-        self.side, self.cells = side, cells
+        self.side, self.step, self.cells = side, step, cells
         self.landmarks = [landmark(1 + row * side + column, step * column, step * row)
                           for row in range(side) for column in range(side)]
         self.ltrs = []
