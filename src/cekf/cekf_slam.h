@@ -167,8 +167,8 @@ class CekfSlam {
   /// for resume(), and used for the pose alone, which is carried along by the motion; map, joint
   /// estimates and calibration are as of T0. False, and nothing happens, if that scan is not kept.
   /// If suspended already: goes back farther, with what came since still kept. Ends with an
-  /// accepted resumption, or with reset(). Events are kept for at most `kLongestSuspension_s`;
-  /// beyond, those of the path's beginning are lost to resume(), which then refuses.
+  /// accepted resumption, or with reset(). Scans are kept for at most `kLongestSuspension_s`;
+  /// older ones are counted as forgotten and not gone over again. No motion is lost.
   bool suspend(double time_T0_s);
   bool isSuspended() const;
   static constexpr double kLongestSuspension_s = 300.0;
