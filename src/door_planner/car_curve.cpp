@@ -37,6 +37,7 @@ std::vector<CarPose> CarCurve::poses(double step_m) const {
     }
     begin = poses.back().T_map_base;
   }
+  if (!poses.empty()) poses.back().T_map_base = end;
   return poses;
 }
 

@@ -23,12 +23,13 @@ Pose2 advance(const Pose2& T_map_base, const CurvePiece& piece);
 
 /// Arcs and straight lines in a row, as the shortest ways of a car are made of.
 struct CarCurve {
-  Pose2 start;
+  Pose2 start, end;
   std::vector<CurvePiece> pieces;
 
   double length() const;
   int directionChanges() const;
-  /// The ends of all pieces, and poses between them at most `step_m` apart; not the start.
+  /// The ends of all pieces, and poses between them at most `step_m` apart; not the start. The last
+  /// is the end, without what rounding adds up to.
   std::vector<CarPose> poses(double step_m) const;
 };
 

@@ -174,7 +174,7 @@ CarCurve CarSpace::shortest(const Pose2& from, const Pose2& to) const {
   ob::State* const b = space.allocState();
   set(a, from);
   set(b, to);
-  CarCurve curve{from, {}};
+  CarCurve curve{from, to, {}};
   for (const CurvePiece& piece : space_->pieces(a, b)) {
     if (std::abs(piece.length_m) > kShortest_m) curve.pieces.push_back(piece);
   }

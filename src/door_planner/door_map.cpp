@@ -5,12 +5,15 @@
 #include <stdexcept>
 
 #include "common/error.h"
+#include "door_planner/blocked_cells.h"
 #include "hybrid_map/ltr_geometry.h"
 
 namespace hymm::core {
 namespace {
 
 constexpr double kIndexCell_m = 10.0;
+/// Cells of other LTRs may be that much larger than an LTR's own.
+constexpr double kIndexMargin_m = 1.0;
 
 double factorOf(const LtrView& view) {
   return std::isnan(view.shape_factor) ? 1.0 : std::max(1.0, view.shape_factor);
@@ -164,49 +167,19 @@ void DoorMap::blockAround(int ltr) {
                [&](int near) { to_block_.insert(near); });
 }
 
-// The vehicle's centre keeps half its width away from every point of an occupied cell, whichever
-// LTR that lies in.
 std::vector<bool> DoorMap::blockedCells(const Region& region) const {
-  const TriangularGrid& grid = region.costs->grid();
-  std::vector<bool> blocked(std::size_t(grid.cellCount()), false);
-  const Eigen::Vector2d per_cell(grid.alphaCells(), grid.betaCells());
-  const Eigen::Matrix2d cell_edges = region.triangle.edges() * per_cell.cwiseInverse().asDiagonal();
-  const Eigen::Matrix2d inverse = cell_edges.inverse();
-  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(reach_m(region) + 1.0);
-  const Eigen::Vector2d low = lowOf(region.view.corners) - margin;
-  const Eigen::Vector2d high = highOf(region.view.corners) + margin;
-  index_.visit(low, high, [&](int id) {
-    const auto found = regions_.find(id);
-    if (found == regions_.end() || !found->second.costs) return;
-    const Region& other = found->second;
-    const Eigen::Matrix2d other_edges =
-        other.triangle.edges() *
-        Eigen::Vector2d(1.0 / other.view.alpha_cells, 1.0 / other.view.beta_cells).asDiagonal();
-    const double half_diagonal = 0.5 * std::max((other_edges.col(0) + other_edges.col(1)).norm(),
-                                                (other_edges.col(0) - other_edges.col(1)).norm());
-    const double radius = 0.5 * config_.vehicle.width_m + half_diagonal;
-    const Eigen::Vector2d box(radius * inverse.row(0).norm(), radius * inverse.row(1).norm());
-    for (const Eigen::Vector2f& obstacle : other.costs->obstacles()) {
-      const Eigen::Vector2d place = other.triangle.toGlobal(obstacle.cast<double>());
-      if ((place - low).minCoeff() < 0.0 || (high - place).minCoeff() < 0.0) continue;
-      const Eigen::Vector2d centre = grid.toCells(region.triangle.toLocal(place));
-      const int j0 = std::max(0, static_cast<int>(std::ceil(centre.y() - box.y() - 0.5)));
-      const int j1 =
-          std::min(grid.betaCells() - 1, static_cast<int>(std::floor(centre.y() + box.y() - 0.5)));
-      for (int j = j0; j <= j1; ++j) {
-        const int i0 = std::max(0, static_cast<int>(std::ceil(centre.x() - box.x() - 0.5)));
-        const int i1 = std::min(grid.rowLength(j) - 1,
-                                static_cast<int>(std::floor(centre.x() + box.x() - 0.5)));
-        for (int i = i0; i <= i1; ++i) {
-          const Eigen::Vector2d apart(i + 0.5 - centre.x(), j + 0.5 - centre.y());
-          if ((cell_edges * apart).squaredNorm() < radius * radius) {
-            blocked[std::size_t(grid.index(i, j))] = true;
-          }
-        }
-      }
-    }
-  });
-  return blocked;
+  BlockedCells blocked(region.triangle, region.costs->grid(), 0.5 * config_.vehicle.width_m);
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(reach_m(region) + kIndexMargin_m);
+  index_.visit(lowOf(region.view.corners) - margin, highOf(region.view.corners) + margin,
+               [&](int id) {
+                 const auto found = regions_.find(id);
+                 if (found == regions_.end() || !found->second.costs) return;
+                 blocked.keepAwayFrom(found->second.triangle, *found->second.costs);
+               });
+  for (int cell = 0; cell < region.costs->grid().cellCount(); ++cell) {
+    if (region.costs->isOccupied(cell)) blocked.free(cell);
+  }
+  return blocked.cells();
 }
 
 void DoorMap::findBlocked() {
@@ -214,10 +187,7 @@ void DoorMap::findBlocked() {
     Region& region = regions_.at(id);
     if (!region.costs) continue;
     ++counts_.blocked;
-    std::vector<bool> blocked = blockedCells(region);
-    for (int cell = 0; cell < region.costs->grid().cellCount(); ++cell) {
-      if (region.costs->isOccupied(cell)) blocked[std::size_t(cell)] = false;
-    }
+    const std::vector<bool> blocked = blockedCells(region);
     if (blocked != region.costs->blocked()) {
       auto costs = std::make_shared<CellCosts>(*region.costs);
       costs->setBlocked(blocked);

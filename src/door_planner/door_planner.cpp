@@ -1,5 +1,7 @@
 #include "door_planner/door_planner.h"
 
+#include <utility>
+
 #include "door_planner/plan_query.h"
 
 namespace hymm::core {
@@ -25,16 +27,20 @@ DoorPlanner::DoorPlanner(const DoorPlannerConfig& config)
     : config_(config),
       map_(config),
       graph_(std::make_shared<DoorGraph>()),
-      searches_(std::make_unique<Searches>()) {}
+      searches_(std::make_unique<Searches>()),
+      weighted_maps_(config) {}
 
 DoorPlanner::~DoorPlanner() = default;
 
 std::vector<int> DoorPlanner::setLtrs(const std::vector<LtrView>& ltrs) {
+  weighted_maps_.setLtrs(ltrs);
   return map_.setLtrs(ltrs);
 }
 
-bool DoorPlanner::setContent(int ltr, const LtrContent& content) {
-  return map_.setContent(ltr, content);
+bool DoorPlanner::setContent(int ltr, std::shared_ptr<const LtrContent> content) {
+  if (!map_.setContent(ltr, *content)) return false;
+  weighted_maps_.setContent(ltr, std::move(content));
+  return true;
 }
 
 std::size_t DoorPlanner::prepare(const Eigen::Vector2d& place, std::size_t max_matrices) {
@@ -51,7 +57,12 @@ std::shared_ptr<const DoorGraph> DoorPlanner::graph() const {
 }
 
 Plan DoorPlanner::plan(const PlanRequest& request) const {
-  const std::shared_ptr<const DoorGraph> now = graph();
+  Plan refused;
+  const std::shared_ptr<const DoorGraph> now =
+      request.weights.empty()
+          ? graph()
+          : weighted_maps_.graphFor(request.weights, request.start, request.interrupted, refused);
+  if (!now) return refused;
   std::unique_ptr<DoorSearch> search = searches_->take();
   Plan plan = PlanQuery(*now, config_, request).run(*search);
   searches_->giveBack(std::move(search));

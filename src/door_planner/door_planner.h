@@ -12,6 +12,7 @@
 #include "door_planner/door_planner_config.h"
 #include "door_planner/door_search.h"
 #include "door_planner/plan.h"
+#include "door_planner/weighted_maps.h"
 
 namespace hymm::core {
 
@@ -33,13 +34,19 @@ class DoorPlanner {
 
   /// See DoorMap.
   std::vector<int> setLtrs(const std::vector<LtrView>& ltrs);
-  bool setContent(int ltr, const LtrContent& content);
+  bool setContent(int ltr, const LtrContent& content) {
+    return setContent(ltr, std::make_shared<const LtrContent>(content));
+  }
+  /// Keeps what the pointer leads to, for requests that bring weights of their own.
+  bool setContent(int ltr, std::shared_ptr<const LtrContent> content);
 
   /// Brings queries up to date. Returns the number of LTRs whose matrices are still to be computed,
   /// because there were more than `max_matrices`: until they are, nothing crosses them.
   std::size_t prepare(const Eigen::Vector2d& place,
                       std::size_t max_matrices = static_cast<std::size_t>(-1));
 
+  /// The first request with weights of its own computes all costs anew, which takes as long as the
+  /// first prepare() did.
   Plan plan(const PlanRequest& request) const;
 
   /// The first point of a path that can no longer be reached from the one before it, because what
@@ -58,6 +65,7 @@ class DoorPlanner {
   mutable std::mutex graph_mutex_;
   std::shared_ptr<const DoorGraph> graph_;
   std::unique_ptr<Searches> searches_;  ///< memory of queries, used again
+  mutable WeightedMaps weighted_maps_;
 };
 
 }  // namespace hymm::core

@@ -35,6 +35,8 @@ struct PlanRequest {
   Eigen::Vector2d goal = Eigen::Vector2d::Zero();
   /// Of the vehicle there, in map [rad], for a path that is refined; nothing: any.
   std::optional<double> start_heading, goal_heading;
+  /// What a metre costs, in place of what is configured (PathCostConfig::with); empty: as that.
+  std::string weights;
   bool is_refined = false;   ///< whether the path is to be one for a car with a turning radius
   double tolerance_m = 0.0;  ///< a start or goal that is occupied may be moved by this much
   /// Whether a place may be crossed: the level set of the lowest information to keep. None: all.

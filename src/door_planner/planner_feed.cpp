@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 namespace hymm::core {
 namespace {
@@ -88,7 +89,10 @@ void PlannerFeed::setLandmarks(const std::vector<LandmarkEstimate>& landmarks) {
 
 bool PlannerFeed::setLayer(int ltr, const std::string& name, const std::string& model, int channels,
                            const std::vector<float>& cells) {
-  if (!decodeLayer(name, model, channels, cells, contents_[ltr])) return false;
+  const auto known = contents_.find(ltr);
+  LtrContent content = known == contents_.end() ? LtrContent() : *known->second;
+  if (!decodeLayer(name, model, channels, cells, content)) return false;
+  contents_[ltr] = std::make_shared<const LtrContent>(std::move(content));
   changed_.insert(ltr);
   return true;
 }
@@ -124,7 +128,10 @@ bool PlannerFeed::tell(DoorPlanner& planner) {
     geometry_changed_ = false;
   }
   for (const int id : changed_) {
-    if (told_.count(id) > 0 && !planner.setContent(id, contents_[id])) ++refused_;
+    if (told_.count(id) == 0) continue;
+    std::shared_ptr<const LtrContent>& content = contents_[id];
+    if (!content) content = std::make_shared<const LtrContent>();
+    if (!planner.setContent(id, content)) ++refused_;
   }
   changed_.clear();
   return true;

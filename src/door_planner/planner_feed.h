@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -45,7 +46,7 @@ class PlannerFeed {
  private:
   std::map<int, LtrTopology> topology_;
   std::unordered_map<int, Eigen::Vector2d> landmarks_;
-  std::unordered_map<int, LtrContent> contents_;
+  std::unordered_map<int, std::shared_ptr<const LtrContent>> contents_;  ///< shared with planners
   std::set<int> told_;     ///< LTRs that the planner knows
   std::set<int> changed_;  ///< contents
   bool geometry_changed_ = false;

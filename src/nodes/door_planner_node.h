@@ -51,6 +51,7 @@ class DoorPlannerNode {
     bool is_refined = true;
     double tolerance_m = -1.0;  ///< negative: as configured
     double lowest_information = 0.0;
+    std::string weights;
   };
   /// The plan that is kept in place.
   struct LivePlan {

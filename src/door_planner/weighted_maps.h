@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "door_planner/door_map.h"
+#include "door_planner/plan.h"
+
+namespace hymm::core {
+
+/// Doors and costs by other weights than those that are configured, for requests that bring their
+/// own. They are made when they are first asked for, and kept for the next request with the same
+/// weights. One thread tells of the map, any may ask.
+class WeightedMaps {
+ public:
+  explicit WeightedMaps(const DoorPlannerConfig& config) : config_(config) {}
+
+  void setLtrs(const std::vector<LtrView>& ltrs);
+  void setContent(int ltr, std::shared_ptr<const LtrContent> content);
+
+  /// Up to date, with `weights` (PathCostConfig::with) in place of those that are configured; null,
+  /// with a status and a sentence in `refused`, if they cannot be used or it is interrupted. What
+  /// was computed before an interruption is kept.
+  std::shared_ptr<const DoorGraph> graphFor(const std::string& weights,
+                                            const Eigen::Vector2d& place,
+                                            const std::function<PlanStatus()>& interrupted,
+                                            Plan& refused);
+
+ private:
+  struct Variant {
+    std::string weights;
+    DoorMap map;
+    std::uint64_t version = 0;  ///< of the map that it was told of
+    std::map<int, std::shared_ptr<const LtrContent>> contents;
+    std::shared_ptr<const DoorGraph> graph;
+
+    Variant(const std::string& of, const DoorPlannerConfig& config) : weights(of), map(config) {}
+  };
+  Variant* find(const std::string& weights, Plan& refused);
+  void tell(Variant& variant);
+
+  DoorPlannerConfig config_;
+  std::mutex map_mutex_;  ///< over what follows
+  std::vector<LtrView> ltrs_;
+  std::map<int, std::shared_ptr<const LtrContent>> contents_;
+  std::uint64_t version_ = 1;
+  std::mutex variants_mutex_;
+  std::list<std::shared_ptr<Variant>> variants_;  ///< the last used first
+};
+
+}  // namespace hymm::core
