@@ -8,6 +8,7 @@ import unittest
 import actionlib
 import rospy
 import rostest
+from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, PoseStamped, PoseWithCovarianceStamped
 from hymm.msg import Landmark, LandmarkMap, Ltr, LtrGrid, LtrMap, PlanPathAction, PlanPathGoal
@@ -58,10 +59,10 @@ def ltr_map():
     return message
 
 
-def grid(ltr, log_odds=-3.0):
-    cells = sum(CELLS - j for j in range(CELLS))
+def grid(ltr, log_odds=-3.0, occupied_rows=()):
+    cells = [3.0 if j in occupied_rows else log_odds for j in range(CELLS) for _ in range(CELLS - j)]
     message = LtrGrid(ltr=ltr, layer="occupancy", model="occupancy", alpha_cells=CELLS,
-                      beta_cells=CELLS, channels=1, revision=1, cells=[log_odds] * cells)
+                      beta_cells=CELLS, channels=1, revision=1, cells=cells)
     message.header.frame_id = "map"
     return message
 
@@ -166,7 +167,43 @@ class DoorPlannerTest(unittest.TestCase):
         self.assertTrue(client.wait_for_result(rospy.Duration(WAIT_S)))
         self.assertEqual(client.get_result().status, "GOAL_OUTSIDE_MAP")
 
-    def test_8_a_plan_that_is_blocked_is_made_anew_or_given_up(self):
+    def test_7_a_goal_that_is_cancelled_leaves_the_node_answering(self):
+        client = actionlib.SimpleActionClient("plan_path", PlanPathAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(WAIT_S)))
+        for k in range(20):
+            # New weights each time: all costs are computed anew, so that some cancels come in time.
+            client.send_goal(PlanPathGoal(start=Point(3.0, 4.0, 0.0), goal=Point(30.0, 6.0, 0.0),
+                                          weights=f"distance {k + 1}"))
+            client.cancel_goal()
+            self.assertTrue(client.wait_for_result(rospy.Duration(WAIT_S)))
+            self.assertIn(client.get_state(), (GoalStatus.PREEMPTED, GoalStatus.RECALLED, GoalStatus.SUCCEEDED))
+            if client.get_state() == GoalStatus.PREEMPTED:
+                self.assertEqual(client.get_result().status, "CANCELLED")
+        self.assertEqual(self.ask(start=Point(3.0, 5.5, 0.0), y=7.5).status, "OK")
+
+    def test_7_weights_and_refinement_can_be_asked_for(self):
+        ask = dict(start=Point(3.0, 5.5, 0.0), y=7.5)
+        answer = self.ask(**ask)
+        self.assertTrue(answer.refined, answer.message)
+        self.assertFalse(self.ask(unrefined=True, **ask).refined)
+        self.assertAlmostEqual(self.ask(weights="distance 3", **ask).cost, 3.0 * answer.cost, places=2)
+        refused = self.ask(weights="mud -1", **ask)
+        self.assertEqual(refused.status, "BAD_REQUEST")
+        self.assertIn("mud -1", refused.message)
+
+    def test_8_a_plan_that_is_blocked_in_part_is_made_anew(self):
+        goal = PoseStamped()
+        goal.header.frame_id = "map"
+        goal.pose.position = Point(42.0, 7.5, 0.0)
+        self.goals.publish(goal)
+        self.assertTrue(wait_for(lambda: self.plans[-1].poses))
+        straight = self.plans[-1]
+        self.grids.publish(grid(5, occupied_rows=range(25, 40)))  # from y = 5.5 to 8.5 m, left of x = 36 m
+        self.assertTrue(wait_for(lambda: self.plans[-1] is not straight and self.plans[-1].poses))
+        inside = [p.pose.position for p in self.plans[-1].poses if 32.5 < p.pose.position.x < 35.5]
+        self.assertTrue(all(abs(p.y - 7.0) > 1.5 for p in inside))
+
+    def test_9_a_plan_that_is_blocked_is_made_anew_or_given_up(self):
         goal = PoseStamped()
         goal.header.frame_id = "map"
         goal.pose.position = Point(42.0, 7.5, 0.0)
