@@ -1,5 +1,6 @@
 #include "rviz_displays/landmark_feed.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "ros/map_conversions.h"

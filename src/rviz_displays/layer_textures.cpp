@@ -32,19 +32,9 @@ void LayerTextures::take(int ltr, const std::string& layer, core::LayerField fie
   }
 }
 
-void LayerTextures::keepOnly(const std::set<int>& ltrs) {
-  std::vector<int> gone;
-  for (auto& [layer, fields] : fields_) {
-    for (auto field = fields.begin(); field != fields.end();) {
-      if (ltrs.count(field->first) > 0) {
-        ++field;
-        continue;
-      }
-      gone.push_back(field->first);
-      field = fields.erase(field);
-    }
-  }
-  for (const int ltr : gone) forget(ltr);
+void LayerTextures::remove(int ltr) {
+  for (auto& [layer, fields] : fields_) fields.erase(ltr);
+  forget(ltr);
 }
 
 void LayerTextures::forget(int ltr) {

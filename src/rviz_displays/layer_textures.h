@@ -27,8 +27,8 @@ class LayerTextures {
   LayerTextures& operator=(const LayerTextures&) = delete;
 
   void take(int ltr, const std::string& layer, core::LayerField field);
-  /// Forgets LTRs that are not among these.
-  void keepOnly(const std::set<int>& ltrs);
+  /// Forgets all layers of a retired LTR.
+  void remove(int ltr);
   void clear();
 
   /// An empty name shows none.
@@ -61,6 +61,7 @@ class LayerTextures {
   void addPage();
   void applyAlpha(const Page& page) const;
   void repaintAll();
+  /// Gives its place on the pages back.
   void forget(int ltr);
 
   std::string chosen_;

@@ -20,10 +20,10 @@ constexpr std::uint32_t kMaps = 2, kGrids = 20000;
 constexpr double kLongestPainting_s = 0.02;
 constexpr float kRateWindow_s = 5.0F;
 
-core::Colour colourOf(const rviz::ColorProperty& property, float alpha) {
+core::Pixel pixelOf(const rviz::ColorProperty& property, float alpha) {
   const QColor colour = property.getColor();
-  return {static_cast<float>(colour.redF()), static_cast<float>(colour.greenF()),
-          static_cast<float>(colour.blueF()), alpha};
+  return core::pixelOf({static_cast<float>(colour.redF()), static_cast<float>(colour.greenF()),
+                        static_cast<float>(colour.blueF()), alpha});
 }
 
 }  // namespace
@@ -163,13 +163,15 @@ void LtrMapDisplay::refuse(const std::string& problem) {
 }
 
 void LtrMapDisplay::takeLtrs(const LtrMap& message) {
+  std::set<int> retired;
+  for (const core::LtrTopology& ltr : ltrs_) retired.insert(ltr.id);
   ltrs_ = fromMessage(message);
+  for (const core::LtrTopology& ltr : ltrs_) retired.erase(ltr.id);
+  // Layers of LTRs that are still to be told may have come first: they stay.
+  for (const int ltr : retired) textures_.remove(ltr);
   landmark_version_ = message.landmark_version;
   has_ltrs_ = true;
   sides_ = core::sidesOf(ltrs_);
-  std::set<int> ids;
-  for (const core::LtrTopology& ltr : ltrs_) ids.insert(ltr.id);
-  textures_.keepOnly(ids);
   ltrs_changed_ = true;
 }
 
@@ -268,7 +270,7 @@ void LtrMapDisplay::moveVertices() {
 void LtrMapDisplay::drawLines() {
   core::FlatVertices lines;
   if (lines_shown_->getBool()) {
-    const core::Colour colour = colourOf(*line_colour_, line_alpha_->getFloat());
+    const core::Pixel colour = pixelOf(*line_colour_, line_alpha_->getFloat());
     lines.positions.reserve(2 * sides_.size());
     lines.colours.reserve(2 * sides_.size());
     for (const auto& [first, second] : sides_) {
@@ -285,7 +287,7 @@ void LtrMapDisplay::drawLines() {
 void LtrMapDisplay::drawDoors() {
   core::FlatVertices triangles;
   if (doors_shown_->getBool()) {
-    const core::Colour colour = colourOf(*door_colour_, 1.0F);
+    const core::Pixel colour = pixelOf(*door_colour_, 1.0F);
     for (const auto& [from, to] : doors_) {
       for (const Eigen::Vector2d& corner :
            core::wideLine(from, to, static_cast<double>(door_width_->getFloat()))) {

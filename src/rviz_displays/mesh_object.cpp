@@ -71,11 +71,8 @@ void MeshObject::setPositions(const std::vector<Eigen::Vector2f>& positions, flo
   node_->needUpdate();
 }
 
-void MeshObject::setColours(const std::vector<core::Colour>& colours) {
-  std::vector<core::Pixel> pixels;
-  pixels.reserve(colours.size());
-  for (const core::Colour& colour : colours) pixels.push_back(core::pixelOf(colour));
-  fill(kColours, Ogre::VET_UBYTE4_NORM, Ogre::VES_DIFFUSE, pixels.data(), pixels.size());
+void MeshObject::setColours(const std::vector<core::Pixel>& colours) {
+  fill(kColours, Ogre::VET_UBYTE4_NORM, Ogre::VES_DIFFUSE, colours.data(), colours.size());
 }
 
 void MeshObject::setTextureCoordinates(const std::vector<Eigen::Vector2f>& coordinates) {

@@ -31,7 +31,7 @@ class MeshObject : public Ogre::SimpleRenderable {
   void clear();
 
   void setPositions(const std::vector<Eigen::Vector2f>& positions, float height_m);
-  void setColours(const std::vector<core::Colour>& colours);
+  void setColours(const std::vector<core::Pixel>& colours);
   void setTextureCoordinates(const std::vector<Eigen::Vector2f>& coordinates);
 
   Ogre::Real getBoundingRadius() const override { return radius_; }

@@ -19,7 +19,7 @@
 namespace hymm {
 namespace {
 
-constexpr core::Colour kPathColour = {1.0F, 0.35F, 0.75F};
+constexpr core::Pixel kPathColour = {255, 89, 191, 255};
 constexpr std::size_t kDoorsInScene = 8;  // more would not be read
 constexpr float kLetterHeight = 1.2F;
 
@@ -222,10 +222,10 @@ void PlanPathTool::draw() {
   for (const std::optional<Eigen::Vector2d>& place : {start_, goal_}) {
     if (!place) continue;
     const auto border = core::ellipseBorder(*place, Eigen::Matrix2d::Identity(), 1.5 * width_m, 12);
-    for (std::size_t i = 0; i < border.size(); ++i) {
-      triangles.add(*place, kPathColour);
+    for (std::size_t i = 1; i + 1 < border.size(); ++i) {
+      triangles.add(border[0], kPathColour);
       triangles.add(border[i], kPathColour);
-      triangles.add(border[(i + 1) % border.size()], kPathColour);
+      triangles.add(border[i + 1], kPathColour);
     }
   }
   line_->show(triangles, kPlanHeight_m);

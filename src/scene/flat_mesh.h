@@ -12,9 +12,9 @@ namespace hymm::core {
 /// two follow one another.
 struct FlatVertices {
   std::vector<Eigen::Vector2f> positions;
-  std::vector<Colour> colours;
+  std::vector<Pixel> colours;
 
-  void add(const Eigen::Vector2d& position, const Colour& colour) {
+  void add(const Eigen::Vector2d& position, const Pixel& colour) {
     positions.push_back(position.cast<float>());
     colours.push_back(colour);
   }

@@ -11,22 +11,26 @@
 namespace hymm::core {
 namespace {
 
-constexpr int kEllipseCorners = 24;
-constexpr int kDiscCorners = 12;
+constexpr int kEllipseCorners = 24, kDiscCorners = 12;
+// So many landmarks fill a screen with ellipses of a few pixels, each of which costs its corners in
+// every frame.
+constexpr std::size_t kMany = 1000;
+constexpr int kEllipseCornersOfMany = 10, kDiscCornersOfMany = 6;
 
-void addFan(const Eigen::Vector2d& middle, const std::vector<Eigen::Vector2d>& border,
-            const Colour& colour, FlatVertices& vertices) {
-  for (std::size_t i = 0; i < border.size(); ++i) {
-    vertices.add(middle, colour);
+/// Triangles that fill a convex border.
+void addFilled(const std::vector<Eigen::Vector2d>& border, const Pixel& colour,
+               FlatVertices& vertices) {
+  for (std::size_t i = 1; i + 1 < border.size(); ++i) {
+    vertices.add(border[0], colour);
     vertices.add(border[i], colour);
-    vertices.add(border[(i + 1) % border.size()], colour);
+    vertices.add(border[i + 1], colour);
   }
 }
 
-std::vector<Eigen::Vector2d> ellipseOf(const LandmarkEstimate& landmark,
-                                       const LandmarkStyle& style) {
+std::vector<Eigen::Vector2d> ellipseOf(const LandmarkEstimate& landmark, const LandmarkStyle& style,
+                                       std::size_t landmarks) {
   return ellipseBorder(landmark.position, landmark.covariance, style.magnification * style.sigmas,
-                       kEllipseCorners);
+                       landmarks > kMany ? kEllipseCornersOfMany : kEllipseCorners);
 }
 
 }  // namespace
@@ -68,10 +72,9 @@ FlatVertices landmarkDiscs(const std::vector<LandmarkEstimate>& landmarks,
     const double diameter_m = std::isfinite(landmark.diameter_m)
                                   ? std::max(landmark.diameter_m, style.smallest_disc_m)
                                   : style.smallest_disc_m;
-    addFan(landmark.position,
-           ellipseBorder(landmark.position, Eigen::Matrix2d::Identity(), 0.5 * diameter_m,
-                         kDiscCorners),
-           colourOf(landmark.type), vertices);
+    addFilled(ellipseBorder(landmark.position, Eigen::Matrix2d::Identity(), 0.5 * diameter_m,
+                            landmarks.size() > kMany ? kDiscCornersOfMany : kDiscCorners),
+              pixelOf(colourOf(landmark.type)), vertices);
   }
   return vertices;
 }
@@ -82,7 +85,7 @@ FlatVertices filledEllipses(const std::vector<LandmarkEstimate>& landmarks,
   for (const LandmarkEstimate& landmark : landmarks) {
     Colour colour = colourOf(landmark.type);
     colour.alpha = style.ellipse_alpha;
-    addFan(landmark.position, ellipseOf(landmark, style), colour, vertices);
+    addFilled(ellipseOf(landmark, style, landmarks.size()), pixelOf(colour), vertices);
   }
   return vertices;
 }
@@ -91,10 +94,11 @@ FlatVertices ellipseLines(const std::vector<LandmarkEstimate>& landmarks,
                           const LandmarkStyle& style) {
   FlatVertices vertices;
   for (const LandmarkEstimate& landmark : landmarks) {
-    const std::vector<Eigen::Vector2d> border = ellipseOf(landmark, style);
+    const std::vector<Eigen::Vector2d> border = ellipseOf(landmark, style, landmarks.size());
+    const Pixel colour = pixelOf(colourOf(landmark.type));
     for (std::size_t i = 0; i < border.size(); ++i) {
-      vertices.add(border[i], colourOf(landmark.type));
-      vertices.add(border[(i + 1) % border.size()], colourOf(landmark.type));
+      vertices.add(border[i], colour);
+      vertices.add(border[(i + 1) % border.size()], colour);
     }
   }
   return vertices;

@@ -39,9 +39,10 @@ FlatVertices levelSetTriangles(const std::vector<ShownLeaf>& leaves, int rank, i
   for (const ShownLeaf& leaf : leaves) {
     Colour colour = levelSetColour(leaf.island, rank, ranks);
     colour.alpha = alpha;
+    const Pixel pixel = pixelOf(colour);
     const double half = 0.5 * leaf.edge_m;
     const auto corner = [&](double x, double y) {
-      vertices.add({leaf.x_m + x * half, leaf.y_m + y * half}, colour);
+      vertices.add({leaf.x_m + x * half, leaf.y_m + y * half}, pixel);
     };
     corner(-1, -1), corner(1, -1), corner(1, 1);
     corner(-1, -1), corner(1, 1), corner(-1, 1);
