@@ -242,13 +242,15 @@ TEST(Resumption, RefusesWhatContradictsTheCovariances) {
   EXPECT_TRUE(slam.resume(36.0, {recording.truth[74]}).accepted());
 }
 
-SensorEvent shifted(SensorEvent event, double by_s) {
-  if (auto* set = std::get_if<ObservationSet>(&event)) {
-    set->time_s += by_s;
-  } else if (auto* input = std::get_if<MotionInput>(&event)) {
-    std::visit([&](auto& motion) { motion.time_s += by_s; }, *input);
+SensorEvent shifted(const SensorEvent& event, double by_s) {
+  if (const auto* set = std::get_if<ObservationSet>(&event)) {
+    ObservationSet later = *set;
+    later.time_s += by_s;
+    return later;
   }
-  return event;
+  TwistInput later = std::get<TwistInput>(std::get<MotionInput>(event));  // a drive with odometry
+  later.time_s += by_s;
+  return MotionInput(later);
 }
 
 TEST(Resumption, TakesOverAPlaceThatTheVehicleWasCarriedTo) {
