@@ -16,23 +16,26 @@ constexpr double kJump = 1e-7;
 
 }  // namespace
 
-void BeamCutter::addPiece(int ltr, double from, double to) {
-  if (to - from <= kNegligible) return;
-  pieces_.push_back({ltr, pieces_.empty() ? 0.0 : pieces_.back().to, to});
+/// The whole beam in the coordinates of an LTR, or of map.
+BeamPiece BeamCutter::wholeBeamIn(int ltr) const {
+  if (ltr == kNone) return {kNone, 0.0, 1.0, start_, end_ - start_};
+  const Triangle& triangle = mesh_.ltr(ltr).triangle;
+  return {ltr, 0.0, 1.0, triangle.toLocal(start_), triangle.edgesInverse() * (end_ - start_)};
 }
 
-const std::vector<BeamPiece>& BeamCutter::cut(const Eigen::Vector2d& start,
-                                              const Eigen::Vector2d& end) {
+void BeamCutter::cut(const Eigen::Vector2d& start, const Eigen::Vector2d& end,
+                     std::vector<BeamPiece>& pieces) {
   start_ = start;
   end_ = end;
-  pieces_.clear();
+  const std::size_t begin = pieces.size();
   hint_ = mesh_.locate(start, hint_);
   int ltr = hint_, entered_side = kNone, left_ltr = kNone, idle_steps = 0;
   double at = 0.0;
   while (at < 1.0) {
+    BeamPiece beam = wholeBeamIn(ltr);
     Crossing next;
     if (ltr != kNone) {
-      next = leaveOf(ltr, entered_side);
+      next = leaveOf(beam, entered_side);
     } else {
       next = nextEntry(at, left_ltr);
       for (Crossing missed = missedEntry(at, next.at); missed.ltr != kNone;) {
@@ -41,8 +44,14 @@ const std::vector<BeamPiece>& BeamCutter::cut(const Eigen::Vector2d& start,
       }
     }
     next.at = std::max(next.at, at);
-    idle_steps = next.at - at > kNegligible ? 0 : idle_steps + 1;
-    addPiece(ltr, at, next.at);
+    if (next.at - at > kNegligible) {
+      idle_steps = 0;
+      beam.from = pieces.size() > begin ? pieces.back().to : 0.0;
+      beam.to = next.at;
+      pieces.push_back(beam);
+    } else {
+      ++idle_steps;
+    }
     left_ltr = ltr;
     ltr = next.ltr;
     entered_side = next.side;
@@ -54,31 +63,30 @@ const std::vector<BeamPiece>& BeamCutter::cut(const Eigen::Vector2d& start,
       idle_steps = 0;
     }
   }
-  if (pieces_.empty()) pieces_.push_back({hint_, 0.0, 1.0});
-  pieces_.back().to = 1.0;
-  return pieces_;
+  if (pieces.size() == begin) pieces.push_back(wholeBeamIn(hint_));
+  pieces.back().to = 1.0;
 }
 
 /// Where the beam leaves an LTR that it entered through a side, and into which one.
-BeamCutter::Crossing BeamCutter::leaveOf(int index, int entered_side) const {
-  const Ltr& ltr = mesh_.ltr(index);
-  const Triangle::Weights first = Triangle::weights(ltr.triangle.toLocal(start_));
-  const Triangle::Weights last = Triangle::weights(ltr.triangle.toLocal(end_));
+BeamCutter::Crossing BeamCutter::leaveOf(const BeamPiece& beam, int entered_side) const {
+  const Triangle::Weights first = Triangle::weights(beam.start);
+  const double falls[] = {beam.along.sum(), -beam.along.x(), -beam.along.y()};  // of the weights
   Crossing leave;
   int leave_side = kNone;
   for (int vertex = 0; vertex < 3; ++vertex) {
     const int side = (vertex + 1) % 3;  // opposite to the vertex, whose weight is 0 on it
-    if (side == entered_side || last[vertex] >= first[vertex]) continue;
-    const double at = first[vertex] / (first[vertex] - last[vertex]);
-    if (at >= leave.at) continue;
-    leave.at = at;
+    // Most sides are seen not to come first without a division.
+    if (side == entered_side || falls[vertex] <= 0.0) continue;
+    if (first[vertex] >= leave.at * falls[vertex]) continue;
+    leave.at = first[vertex] / falls[vertex];
     leave_side = side;
   }
   if (leave_side == kNone) return leave;
+  const Ltr& ltr = mesh_.ltr(beam.ltr);
   leave.ltr = ltr.neighbours[std::size_t(leave_side)];
   if (leave.ltr == kNone) return leave;
   const std::array<int, 3>& back = mesh_.ltr(leave.ltr).neighbours;
-  leave.side = static_cast<int>(std::find(back.begin(), back.end(), index) - back.begin());
+  leave.side = static_cast<int>(std::find(back.begin(), back.end(), beam.ltr) - back.begin());
   return leave;
 }
 

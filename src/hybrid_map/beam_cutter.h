@@ -14,6 +14,11 @@ struct BeamPiece {
   int ltr = kNone;
   double from = 0.0;
   double to = 0.0;
+  /// Where the whole beam starts, and how far it leads: local coordinates of the LTR (3), or metres
+  /// in map where there is none.
+  Eigen::Vector2d start = Eigen::Vector2d::Zero(), along = Eigen::Vector2d::Zero();
+
+  Eigen::Vector2d at(double share) const { return start + share * along; }
 };
 
 /// Cuts beams at the sides of LTRs that they cross. The pieces follow one another from 0 to 1
@@ -23,8 +28,9 @@ class BeamCutter {
  public:
   explicit BeamCutter(const LtrMesh& mesh) : mesh_(mesh) {}
 
-  /// Pieces of the beam between two places in map, in order; valid until the next call.
-  const std::vector<BeamPiece>& cut(const Eigen::Vector2d& start, const Eigen::Vector2d& end);
+  /// Appends the pieces of the beam between two places in map, in order, one at least.
+  void cut(const Eigen::Vector2d& start, const Eigen::Vector2d& end,
+           std::vector<BeamPiece>& pieces);
 
  private:
   struct Crossing {
@@ -33,14 +39,13 @@ class BeamCutter {
     double at = 1.0;
   };
 
-  void addPiece(int ltr, double from, double to);
-  Crossing leaveOf(int ltr, int entered_side) const;
+  BeamPiece wholeBeamIn(int ltr) const;
+  Crossing leaveOf(const BeamPiece& beam, int entered_side) const;
   Crossing nextEntry(double from, int left_ltr) const;
   Crossing missedEntry(double from, double to) const;
 
   const LtrMesh& mesh_;
   Eigen::Vector2d start_ = Eigen::Vector2d::Zero(), end_ = Eigen::Vector2d::Zero();
-  std::vector<BeamPiece> pieces_;
   int hint_ = kNone;
 };
 

@@ -29,28 +29,23 @@ class ScanWriter {
     float freed(float log_odds) const { return std::max(log_odds + miss, least); }
     float occupied(float log_odds) const { return std::min(log_odds + hit, most); }
   };
-  /// A piece of a beam, its ends in map.
-  struct Piece {
-    int ltr;
-    Eigen::Vector2d from, to;
-  };
+  class TileWindow;
   /// A cell in which a beam ends, and what it held before the scan.
   struct Hit {
     float* cell;
     float before;
   };
 
-  void cutBeam(const Eigen::Vector2d& start, const Eigen::Vector2d& end);
-  void addHit(const Piece& last, LayerWriter& writer);
-  void freeAlong(const Piece& piece, LayerWriter& writer);
-  void freeAlongWaiting(const Piece& piece, WaitingTiles& waiting, std::uint64_t revision);
+  void addHit(const BeamPiece& last, LayerWriter& writer);
+  void freeInLtr(const BeamPiece& piece, LayerWriter& writer);
+  void freeOutside(const BeamPiece& piece, TileWindow& window);
   void occupyHits();
 
   OccupancyConfig config_;
   LtrPartition& partition_;
   BeamCutter cutter_;
   Increments increments_;
-  std::vector<Piece> pieces_;  ///< of the scan
+  std::vector<BeamPiece> pieces_;  ///< of the scan
   std::vector<Hit> hits_;
 };
 

@@ -205,6 +205,11 @@ void WaitingTiles::packBeyond(const Eigen::Vector2d& place, double radius_m,
 }
 
 std::size_t WaitingTiles::dropBeyondLimit() {
+  std::size_t tiles = 0;
+  for (const Sheet& sheet : sheets_) tiles += sheet.tiles.size();
+  const auto most = static_cast<double>(tiles) * kTileCells * kTileCells * sizeof(float) *
+                    layers_.channelsTogether();
+  if (most <= config_.max_memory_mb * kBytesPerMb) return 0;  // even if nothing is packed
   std::size_t used = memory().bytes(), dropped = 0;
   while (used > 0 && static_cast<double>(used) > config_.max_memory_mb * kBytesPerMb) {
     used -= dropOldest();

@@ -20,12 +20,18 @@ LtrPartition partitionOf(const LandmarkMap& map) {
   return partition;
 }
 
+std::vector<BeamPiece> piecesOf(const LtrMesh& mesh, const Eigen::Vector2d& start,
+                                const Eigen::Vector2d& end) {
+  std::vector<BeamPiece> pieces;
+  BeamCutter(mesh).cut(start, end, pieces);
+  return pieces;
+}
+
 /// What is wrong with the pieces of a beam, or "".
 std::string brokenPromise(const LtrMesh& mesh, const Eigen::Vector2d& start,
                           const Eigen::Vector2d& end) {
-  BeamCutter cutter(mesh);
   double last = 0.0;
-  for (const BeamPiece& piece : cutter.cut(start, end)) {
+  for (const BeamPiece& piece : piecesOf(mesh, start, end)) {
     if (piece.from != last) return "there is a gap between pieces";
     if (piece.to < piece.from) return "a piece runs backwards";
     last = piece.to;
@@ -35,6 +41,9 @@ std::string brokenPromise(const LtrMesh& mesh, const Eigen::Vector2d& start,
     for (const double share : {0.03, 0.5, 0.97}) {
       const double at = piece.from + share * (piece.to - piece.from);
       const Eigen::Vector2d place = start + at * (end - start);
+      const Eigen::Vector2d told =
+          piece.ltr == kNone ? piece.at(at) : mesh.ltr(piece.ltr).triangle.toGlobal(piece.at(at));
+      if (!(told - place).isZero(1e-9)) return "a piece's own coordinates lie elsewhere";
       if (piece.ltr != kNone && !mesh.ltr(piece.ltr).triangle.contains(place)) {
         return "a piece leaves its LTR";
       }
@@ -52,20 +61,29 @@ std::string brokenPromise(const LtrMesh& mesh, const Eigen::Vector2d& start,
 TEST(BeamCutter, CutsABeamAtASharedSide) {
   const LtrPartition partition =
       partitionOf(mapOf({{0.0, 0.0}, {10.0, 0.0}, {5.0, 8.0}, {5.0, -8.0}}));
-  BeamCutter cutter(partition.mesh());
-  const auto pieces = cutter.cut({5.0, 4.0}, {5.0, -6.0});
+  const auto pieces = piecesOf(partition.mesh(), {5.0, 4.0}, {5.0, -6.0});
   ASSERT_EQ(pieces.size(), 2U);
   EXPECT_NEAR(pieces[0].to, 0.4, 1e-12);
   EXPECT_NE(pieces[0].ltr, pieces[1].ltr);
   EXPECT_EQ(brokenPromise(partition.mesh(), {5.0, 4.0}, {5.0, -6.0}), "");
 }
 
+TEST(BeamCutter, AppendsToWhatOtherBeamsLeft) {
+  const LtrPartition partition = partitionOf(mapOf({{0.0, 0.0}, {10.0, 0.0}, {5.0, 8.0}}));
+  BeamCutter cutter(partition.mesh());
+  std::vector<BeamPiece> pieces;
+  cutter.cut({5.0, 2.0}, {5.0, 3.0}, pieces);
+  cutter.cut({5.0, 2.0}, {5.0, -3.0}, pieces);
+  ASSERT_EQ(pieces.size(), 3U);
+  EXPECT_EQ(pieces[0].to, 1.0);
+  EXPECT_EQ(pieces[1].from, 0.0);
+}
+
 TEST(BeamCutter, CrossesAHoleBetweenTwoIslands) {
   const LtrPartition partition =
       partitionOf(mapOf({{0, 0}, {10, 0}, {5, 8}, {60, 0}, {70, 0}, {65, 8}}));
   ASSERT_EQ(partition.mesh().aliveCount(), 2U);
-  BeamCutter cutter(partition.mesh());
-  const auto pieces = cutter.cut({-10.0, 2.0}, {90.0, 2.0});
+  const auto pieces = piecesOf(partition.mesh(), {-10.0, 2.0}, {90.0, 2.0});
   ASSERT_EQ(pieces.size(), 5U);
   EXPECT_EQ(pieces[0].ltr, kNone);
   EXPECT_EQ(pieces[2].ltr, kNone);
