@@ -14,9 +14,9 @@ void SuspicionConfig::describe(ConfigSchema& schema) {
   schema.number("disagreement", disagreement, Range::between(0.0, 1.0),
                 "lack of correlation of scan and stored grid that is suspicious");
   schema.number("unexplained", unexplained, Range::between(0.0, 1.0),
-                "share of unexplained observations that is suspicious ...");
+                "share of unexplained observations that is suspicious");
   schema.integer("old_landmarks", old_landmarks, Range::between(1, 1000),
-                 "... where at least so many old landmarks should be in view");
+                 "old landmarks that should be in view for any of these shares to count");
   schema.number("armed_deviation_m", armed_deviation_m, Range::positive(),
                 "deviation of the position from which on fewer suspicious scans switch");
   schema.number("armed_deviation_rad", armed_deviation_rad, Range::positive(),
@@ -33,14 +33,16 @@ double nisLimit(int dof, const SuspicionConfig& config) {
 }
 
 std::string findSuspicion(const ScanEvidence& scan, const SuspicionConfig& config) {
-  if (scan.ambiguity > config.ambiguity) return "observations are ambiguous";
   if (scan.dof > 0 && scan.nis > nisLimit(scan.dof, config) * scan.dof) {
     return "observations do not fit the landmarks that they are taken for";
   }
+  // A share of one or two landmarks says nothing, and where there are no more the relocaliser could
+  // not help.
+  if (scan.old_landmarks_expected < config.old_landmarks) return {};
+  if (scan.ambiguity > config.ambiguity) return "observations are ambiguous";
   if (scan.missed > config.missed) return "landmarks that should be in view are not seen";
   if (scan.disagreement > config.disagreement) return "the scan contradicts the stored grid";
-  if (scan.unexplained > config.unexplained &&
-      scan.old_landmarks_expected >= config.old_landmarks) {
+  if (scan.unexplained > config.unexplained) {
     return "old landmarks should be in view, but what is seen is none of them";
   }
   return {};

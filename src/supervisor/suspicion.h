@@ -12,8 +12,8 @@ struct SuspicionConfig {
   double nis_probability = 0.9999;   ///< quantile of chi-square that the scan's NIS exceeds
   double missed = 0.7;               ///< share of the landmarks that should have been seen
   double disagreement = 0.5;         ///< of the scan and the stored grid, see GridAgreement
-  double unexplained = 0.8;          ///< share of observations that no landmark explains ...
-  int old_landmarks = 3;             ///< ... where at least so many old ones should be in view
+  double unexplained = 0.8;          ///< share of observations that no landmark explains
+  int old_landmarks = 3;             ///< that should be in view for any share to count
   double armed_deviation_m = 1.0;    ///< of the position: arms, and never switches by itself
   double armed_deviation_rad = 0.1;  ///< of the heading, likewise
 

@@ -12,6 +12,7 @@ from hymm.msg import FilterHealth, FilterPose, FilterStatus, RelocaliserHealth
 from hymm.srv import Resume, ResumeRequest, ResumeResponse, SetMode
 from tf2_msgs.msg import TFMessage
 
+BAD_NIS = 60.0  # of 4 degrees of freedom
 SUSPICIOUS_SCANS = 10  # switching/suspicious_scans
 SCAN_S = 0.2
 
@@ -60,7 +61,7 @@ class Filters:
         message.header.stamp = rospy.Time.from_sec(self.time_s)
         self.search.publish(message)
 
-    def scan(self, ambiguity=0.0, x=0.0, found_x=None):
+    def scan(self, nis=4.0, x=0.0, found_x=None):
         """One scan of the CEKF and, if `found_x` is given, of the relocaliser."""
         self.time_s += SCAN_S
         self.scans += 1
@@ -82,7 +83,7 @@ class Filters:
         pose.pose.pose.position.x = x
         pose.pose.pose.orientation.w = 1.0
         pose.sensor.orientation.w = 1.0
-        health = FilterHealth(nis=4.0, dof=4, ambiguity=ambiguity, scans=self.scans)
+        health = FilterHealth(nis=nis, dof=4, scans=self.scans)
         health.header.stamp = stamp
         self.pose.publish(pose)
         self.health.publish(health)
@@ -138,19 +139,19 @@ class SupervisorTest(unittest.TestCase):
     def make_suspicious(self):
         self.filters.drive(1)
         good_s = self.filters.time_s
-        self.filters.drive(SUSPICIOUS_SCANS, ambiguity=0.9)
+        self.filters.drive(SUSPICIOUS_SCANS, nis=BAD_NIS)
         self.wait_for(lambda: self.mode() == FilterStatus.RELOCALISING, "the switch")
         self.wait_for(lambda: self.filters.order == self.statuses[-1].order, "the order")
         return good_s
 
     def test_suspicion_that_lasts_hands_over_from_the_last_good_scan(self):
-        self.filters.drive(SUSPICIOUS_SCANS - 1, ambiguity=0.9)
+        self.filters.drive(SUSPICIOUS_SCANS - 1, nis=BAD_NIS)
         self.filters.drive(1)
         time.sleep(0.2)
         self.assertEqual(self.mode(), FilterStatus.CEKF)
         good_s = self.make_suspicious()
         status = self.statuses[-1]
-        self.assertIn("ambiguous", status.reason)
+        self.assertIn("do not fit", status.reason)
         self.assertAlmostEqual(status.in_good_order.to_sec(), good_s, places=6)
         self.assertEqual({item.name: item.limit for item in status.evidence}["ambiguity"], 0.5)
 

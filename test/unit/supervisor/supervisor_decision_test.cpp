@@ -40,6 +40,7 @@ SupervisorEvidence healthy() {
 SupervisorEvidence ambiguous() {
   SupervisorEvidence evidence = healthy();
   evidence.scan.ambiguity = 0.9;
+  evidence.scan.old_landmarks_expected = 3;
   return evidence;
 }
 
@@ -129,25 +130,28 @@ TEST(SupervisorDecision, BeginningIsNoSwitch) {
 TEST(Suspicion, FallsOnEachKindOfFailureAlone) {
   const SuspicionConfig config;
   EXPECT_EQ(findSuspicion(healthy().scan, config), "");
-  ScanEvidence scan = healthy().scan;
+  ScanEvidence among_old = healthy().scan;
+  among_old.old_landmarks_expected = 3;
+  ScanEvidence scan = among_old;
   scan.ambiguity = 0.6;
   EXPECT_THAT(findSuspicion(scan, config), HasSubstr("ambiguous"));
   scan = healthy().scan;
   scan.nis = 60.0;
   EXPECT_THAT(findSuspicion(scan, config), HasSubstr("do not fit"));
-  scan = healthy().scan;
+  scan = among_old;
   scan.missed = 0.8;
   EXPECT_THAT(findSuspicion(scan, config), HasSubstr("not seen"));
-  scan = healthy().scan;
+  scan = among_old;
   scan.disagreement = 0.6;
   EXPECT_THAT(findSuspicion(scan, config), HasSubstr("grid"));
 }
 
 TEST(Suspicion, DoesNotFallOnExploring) {
   ScanEvidence scan = healthy().scan;
-  scan.unexplained = 1.0;
+  scan.unexplained = scan.missed = scan.ambiguity = scan.disagreement = 1.0;
   scan.old_landmarks_expected = 2;
   EXPECT_EQ(findSuspicion(scan, {}), "");
+  scan.missed = scan.ambiguity = scan.disagreement = 0.0;
   scan.old_landmarks_expected = 3;
   EXPECT_THAT(findSuspicion(scan, {}), HasSubstr("old landmarks"));
 }
