@@ -141,7 +141,9 @@ void CekfSlamConfig::describe(ConfigSchema& schema) {
               "what moves the filter: an Ackermann vehicle's encoders, or the twist of odometry",
               {"dead_reckoning", "odom"});
   schema.text("observation_input", observation_input,
-              "laser scans, or landmarks that the robot detects itself", {"scan", "detections"});
+              "laser scans, clouds of points of a 3D sensor, or landmarks that the robot detects "
+              "itself",
+              {"scan", "points", "detections"});
   schema.number("landmark_block_range_m", landmark_block_range_m, Range::between(0.0, 1000.0),
                 "cross-covariances are published for pairs of landmarks no farther apart");
   schema.number("landmark_rate_hz", landmark_rate_hz, Range{0.0, 100.0, true},

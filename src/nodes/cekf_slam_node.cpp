@@ -43,14 +43,16 @@ std::string suspensionText(double from_s, bool is_suspended, const core::CekfSla
 }  // namespace
 
 CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
-                           const core::VehicleDescription& vehicle)
+                           const core::VehicleDescription& vehicle,
+                           const core::PointCloudConfig& point_clouds)
     : map_frame_(vehicle.config.map_frame),
       tf_listener_(tf_),
       filter_(config, vehicle.config, core::CekfSlam::GlobalUpdates::kBackground),
       merger_(config.merger),
       reader_(
           SensorMountings(tf_, vehicle.config.base_frame, laserFallback(vehicle), kMountingWait_s),
-          GpsConverter(vehicle.config.gps_antenna.T_base_sensor().position()), causes_),
+          GpsConverter(vehicle.config.gps_antenna.T_base_sensor().position()), point_clouds,
+          causes_),
       output_(handle_, config, vehicle.config.map_frame),
       queue_(kQueueCapacity),
       inputs_(handle_, config.motion_input, config.observation_input, config.gps.enabled, queue_,

@@ -35,7 +35,8 @@ namespace hymm {
 class CekfSlamNode {
  public:
   /// Throws ConfigError if the parameters are unusable.
-  CekfSlamNode(const core::CekfSlamConfig& config, const core::VehicleDescription& vehicle);
+  CekfSlamNode(const core::CekfSlamConfig& config, const core::VehicleDescription& vehicle,
+               const core::PointCloudConfig& point_clouds);
   ~CekfSlamNode();
 
  private:

@@ -9,8 +9,9 @@ int main(int argc, char** argv) {
     hymm::core::HymmGridConfig config;
     hymm::readParameters(private_handle, config, report);
     const hymm::core::VehicleDescription vehicle = hymm::readVehicle(private_handle, report);
+    const hymm::core::PointCloudConfig point_clouds = hymm::readPointClouds(private_handle, report);
     hymm::tellOrThrow(report);
-    const hymm::HymmGridNode node(config, vehicle.config);
+    const hymm::HymmGridNode node(config, vehicle.config, point_clouds);
     ros::spin();
   });
 }

@@ -14,19 +14,27 @@ namespace {
 
 constexpr std::uint32_t kUnbounded = 0;  // ScanPairing bounds, and counts what it drops
 constexpr auto kPatience = std::chrono::milliseconds(20);
-constexpr double kSilence_s = 1.0;  // without scans: time to draw the whole map
+constexpr double kMountingWait_s = 5.0;  // tf_static comes within moments, or not at all
+constexpr double kSilence_s = 1.0;       // without scans: time to draw the whole map
 
 }  // namespace
 
-HymmGridNode::HymmGridNode(const core::HymmGridConfig& config, const core::VehicleConfig& vehicle)
+HymmGridNode::HymmGridNode(const core::HymmGridConfig& config, const core::VehicleConfig& vehicle,
+                           const core::PointCloudConfig& point_clouds)
     : config_(config),
       vehicle_(vehicle),
       tf_listener_(tf_),
+      clouds_(SensorMountings(tf_, vehicle.base_frame, std::nullopt, kMountingWait_s), point_clouds,
+              causes_),
       mapper_(config),
       sample_placer_(tf_, vehicle.map_frame, config.sample_wait_s, causes_),
       agreement_(std::numeric_limits<double>::quiet_NaN()),
       output_(handle_, config, vehicle.map_frame, mapper_, mutex_, calls_) {
-  subscribe<sensor_msgs::LaserScan>("scan");
+  if (config.scan_input == "points") {
+    subscribe<sensor_msgs::PointCloud2>("points");
+  } else {
+    subscribe<sensor_msgs::LaserScan>("scan");
+  }
   subscribe<FilterPose>("cekf/pose");
   subscribe<LandmarkUpdate>("landmark_updates");
   subscribe<LandmarkMap>("landmarks");
@@ -59,6 +67,13 @@ void HymmGridNode::subscribe(const std::string& topic) {
 void HymmGridNode::take(const sensor_msgs::LaserScan::ConstPtr& message) {
   const std::lock_guard<std::mutex> lock(inputs_mutex_);
   pairing_.add(message);
+  arrived_.notify_one();
+}
+
+void HymmGridNode::take(const sensor_msgs::PointCloud2::ConstPtr& message) {
+  const std::lock_guard<std::mutex> lock(inputs_mutex_);
+  clouds_.add(message);
+  pairClouds();
   arrived_.notify_one();
 }
 
@@ -111,9 +126,15 @@ std::optional<PairedScan> HymmGridNode::waitForScan() {
   std::optional<PairedScan> paired = pairing_.next(steadyNow(), has_scans);
   if (!paired) {
     arrived_.wait_for(lock, kPatience);
+    pairClouds();
     paired = pairing_.next(steadyNow(), has_scans);
   }
   return paired;
+}
+
+/// Of the clouds whose sensor's place is known, with inputs_mutex_ held.
+void HymmGridNode::pairClouds() {
+  for (const auto& scan : clouds_.takeReady(steadyNow())) pairing_.add(scan);
 }
 
 void HymmGridNode::process(const PairedScan& paired) {

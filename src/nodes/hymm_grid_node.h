@@ -24,6 +24,7 @@
 #include "pipeline/grid_files.h"
 #include "pipeline/grid_mapper.h"
 #include "ros/cause_log.h"
+#include "ros/cloud_scans.h"
 #include "ros/grid_output.h"
 #include "ros/sample_placer.h"
 #include "ros/scan_pairing.h"
@@ -38,13 +39,15 @@ namespace hymm {
 class HymmGridNode {
  public:
   /// Throws ConfigError if the parameters are unusable.
-  HymmGridNode(const core::HymmGridConfig& config, const core::VehicleConfig& vehicle);
+  HymmGridNode(const core::HymmGridConfig& config, const core::VehicleConfig& vehicle,
+               const core::PointCloudConfig& point_clouds);
   ~HymmGridNode();
 
  private:
   template <class Message>
   void subscribe(const std::string& topic);
   void take(const sensor_msgs::LaserScan::ConstPtr& message);
+  void take(const sensor_msgs::PointCloud2::ConstPtr& message);
   void take(const FilterPose::ConstPtr& message);
   void take(const LandmarkUpdate::ConstPtr& message);
   void take(const LandmarkMap::ConstPtr& message);
@@ -53,6 +56,7 @@ class HymmGridNode {
   void work();
   void workOn();
   std::optional<PairedScan> waitForScan();
+  void pairClouds();
   void process(const PairedScan& paired);
   void tell(const core::MappedOutcome& outcome, const PairedScan& paired);
   void beginAnew();
@@ -80,6 +84,7 @@ class HymmGridNode {
   mutable std::mutex inputs_mutex_;  ///< over what callbacks fill
   std::condition_variable arrived_;
   ScanPairing pairing_;
+  CloudScans clouds_;
   std::deque<PropertySample::ConstPtr> samples_;
 
   std::mutex mutex_;  ///< over everything down to output_; never with inputs_mutex_ inside out

@@ -4,6 +4,10 @@ namespace hymm::core {
 
 void HymmGridConfig::describe(ConfigSchema& schema) {
   map.describe(schema);
+  schema.text("scan_input", scan_input,
+              "topic that brings what is written; where cekf_slam's observation_input is scan or "
+              "points, the same",
+              {"scan", "points"});
   schema.number("min_range_m", min_range_m, Range::notNegative(),
                 "beams that end nearer hit the vehicle itself, and are not written");
   schema.group("image", image);

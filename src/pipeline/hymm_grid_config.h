@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "common/config.h"
 #include "hybrid_map/hybrid_map_config.h"
 #include "hybrid_map/map_image.h"
@@ -10,6 +12,7 @@ namespace hymm::core {
 /// Parameters of the node `hymm_grid`, as config/hymm_grid.yaml documents them.
 struct HymmGridConfig {
   HybridMapConfig map;  ///< its names stand at the top level
+  std::string scan_input = "scan";
   double min_range_m = 1.0;
   MapImageConfig image;
   ScanMatcherConfig scan_matching;

@@ -17,6 +17,7 @@ std::filesystem::path folderOf(const std::filesystem::path& file) {
 
 void SuiteConfig::describe(ConfigSchema& schema) {
   schema.group("vehicle", vehicle);
+  schema.group("point_clouds", point_clouds);
   schema.group("cekf_slam", cekf_slam);
   schema.group("dead_reckoning", dead_reckoning);
   schema.group("hymm_grid", hymm_grid);

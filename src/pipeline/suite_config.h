@@ -8,6 +8,7 @@
 #include "common/config.h"
 #include "door_planner/door_planner_config.h"
 #include "information_map/information_map_config.h"
+#include "perception/point_scan.h"
 #include "pipeline/hymm_grid_config.h"
 #include "relocaliser/relocaliser_config.h"
 #include "supervisor/supervisor_decision.h"
@@ -17,9 +18,11 @@
 namespace hymm::core {
 
 /// Everything that a run of the suite can be told, as YAML holds it: the top-level names are
-/// `vehicle` and the names of the nodes. Default-constructed: the built-in defaults.
+/// `vehicle`, `point_clouds` and the names of the nodes. Default-constructed: the built-in
+/// defaults.
 struct SuiteConfig {
   VehicleConfig vehicle;
+  PointCloudConfig point_clouds;  ///< for all that take clouds
   CekfSlamConfig cekf_slam;
   DeadReckoningConfig dead_reckoning;
   HymmGridConfig hymm_grid;

@@ -19,10 +19,22 @@ struct StageKind {
   std::unique_ptr<SuiteStage> (*make)(const SuiteConfig&);
 };
 
+/// Live, scans of another topic than the filter's would find no pose.
+void refuseOtherScans(const SuiteConfig& config) {
+  const std::string& observations = config.cekf_slam.observation_input;
+  const std::string& scans = config.hymm_grid.scan_input;
+  if (observations == "detections" || observations == scans) return;
+  throw ConfigError({"hymm_grid.scan_input: is " + scans + ", but cekf_slam.observation_input is " +
+                     observations +
+                     "; the dense map can only write what the filter observed. Set it to " +
+                     observations + "."});
+}
+
 const std::vector<StageKind>& stageKinds() {
   static const std::vector<StageKind> kinds = {
       {GridStage::kName,
        [](const SuiteConfig& config) -> std::unique_ptr<SuiteStage> {
+         refuseOtherScans(config);
          return std::make_unique<GridStage>(config.hymm_grid);
        }},
       {InformationStage::kName,

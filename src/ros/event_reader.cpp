@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "perception/scan_check.h"
+#include "ros/cloud_conversions.h"
 #include "ros/sensor_conversions.h"
 
 namespace hymm {
@@ -24,8 +25,9 @@ constexpr bool kIsMotion =
 
 }  // namespace
 
-EventReader::EventReader(SensorMountings mountings, GpsConverter gps, CauseLog& causes)
-    : mountings_(std::move(mountings)), gps_(std::move(gps)), causes_(causes) {}
+EventReader::EventReader(SensorMountings mountings, GpsConverter gps,
+                         const core::PointCloudConfig& points, CauseLog& causes)
+    : mountings_(std::move(mountings)), gps_(std::move(gps)), points_(points), causes_(causes) {}
 
 EventReader::Answer EventReader::read(const SensorMessage& message, double steady_now_s) {
   return std::visit(
@@ -40,6 +42,8 @@ EventReader::Answer EventReader::read(const SensorMessage& message, double stead
           return {core::MotionInput(fromMessage(*pointer)), false};
         } else if constexpr (std::is_same_v<Message, sensor_msgs::NavSatFix>) {
           return {readGps(*pointer), false};
+        } else if constexpr (std::is_same_v<Message, sensor_msgs::PointCloud2>) {
+          return readCloud(*pointer, steady_now_s);
         } else {
           return readPlaced(*pointer, steady_now_s);
         }
@@ -67,6 +71,19 @@ EventReader::Answer EventReader::readPlaced(const Message& message, double stead
     }
   }
   return {placed(std::move(measurement), *mounting.T_base_sensor), false};
+}
+
+EventReader::Answer EventReader::readCloud(const sensor_msgs::PointCloud2& message,
+                                           double steady_now_s) {
+  const SensorMountings::Answer mounting =
+      mountings_.findInSpace(message.header.frame_id, steady_now_s);
+  if (mounting.waiting) return {std::nullopt, true};
+  const CloudScan cloud = scanOfCloud(message, mounting, points_);
+  if (!cloud.scan) {
+    causes_.count(cloud.cause, cloud.problem);
+    return {};
+  }
+  return {placed(fromMessage(*cloud.scan), *mounting.T_base_sensor), false};
 }
 
 std::optional<core::SensorEvent> EventReader::readGps(const sensor_msgs::NavSatFix& message) {

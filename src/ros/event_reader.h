@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "perception/point_scan.h"
 #include "pipeline/sensor_event.h"
 #include "ros/cause_log.h"
 #include "ros/gps_converter.h"
@@ -19,7 +20,9 @@ class EventReader {
     bool waiting = false;  ///< tf may yet tell where the sensor stands: ask again with this message
   };
 
-  EventReader(SensorMountings mountings, GpsConverter gps, CauseLog& causes);
+  /// `points`: how clouds become scans.
+  EventReader(SensorMountings mountings, GpsConverter gps, const core::PointCloudConfig& points,
+              CauseLog& causes);
 
   Answer read(const SensorMessage& message, double steady_now_s);
 
@@ -30,9 +33,11 @@ class EventReader {
   std::optional<core::SensorEvent> readGps(const sensor_msgs::NavSatFix& message);
   template <class Message>
   Answer readPlaced(const Message& message, double steady_now_s);
+  Answer readCloud(const sensor_msgs::PointCloud2& message, double steady_now_s);
 
   SensorMountings mountings_;
   GpsConverter gps_;
+  core::PointCloudConfig points_;
   CauseLog& causes_;
 };
 

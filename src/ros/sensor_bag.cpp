@@ -35,13 +35,15 @@ class FieldWalker {
     place_ += count;
   }
 
-  void skipArray(std::size_t element_bytes) {
+  std::uint32_t readCount() {
     std::uint32_t count = 0;
     const std::size_t begin = place_;
     skip(sizeof(count));
     std::memcpy(&count, bytes_.data() + begin, sizeof(count));
-    skip(count * element_bytes);
+    return count;
   }
+
+  void skipArray(std::size_t element_bytes) { skip(readCount() * element_bytes); }
 
   void skipHeader() {
     skip(12);  // sequence number and stamp
@@ -62,6 +64,15 @@ void checkLengths(const std::vector<std::uint8_t>& bytes) {
     walker.skip(7 * sizeof(float));
     walker.skipArray(sizeof(float));
     walker.skipArray(sizeof(float));
+  } else if constexpr (std::is_same_v<Message, sensor_msgs::PointCloud2>) {
+    walker.skipHeader();
+    walker.skip(2 * sizeof(std::uint32_t));
+    for (std::uint32_t fields = walker.readCount(); fields > 0; --fields) {
+      walker.skipArray(1);
+      walker.skip(2 * sizeof(std::uint32_t) + 1);
+    }
+    walker.skip(1 + 2 * sizeof(std::uint32_t));
+    walker.skipArray(1);
   } else if constexpr (std::is_same_v<Message, LandmarkObservations>) {
     walker.skipHeader();
     walker.skipArray(8 * sizeof(double) + sizeof(std::uint8_t) + sizeof(std::int32_t));
@@ -99,6 +110,7 @@ Kind kindOfTopic(const std::string& name) {
   if (name == "dead_reckoning") return kindOf<DeadReckoning>();
   if (name == "odom") return kindOf<nav_msgs::Odometry>();
   if (name == "scan") return kindOf<sensor_msgs::LaserScan>();
+  if (name == "points") return kindOf<sensor_msgs::PointCloud2>();
   if (name == "detections") return kindOf<LandmarkObservations>();
   return kindOf<sensor_msgs::NavSatFix>();
 }

@@ -16,7 +16,7 @@ namespace hymm {
 /// Which messages of a bag a run wants.
 struct BagSelection {
   std::string motion_input = "dead_reckoning";    ///< or "odom"
-  std::string observation_input = "scan";         ///< or "detections"
+  std::string observation_input = "scan";         ///< or "points", "detections"
   std::map<std::string, std::string> remappings;  ///< our name of a topic to the bag's
 };
 

@@ -15,6 +15,8 @@ SensorInputs::SensorInputs(ros::NodeHandle handle, const std::string& motion_inp
   }
   if (observation_input == "detections") {
     subscribe<LandmarkObservations>("detections");
+  } else if (observation_input == "points") {
+    subscribe<sensor_msgs::PointCloud2>("points");
   } else {
     subscribe<sensor_msgs::LaserScan>("scan");
   }

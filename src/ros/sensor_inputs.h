@@ -23,7 +23,8 @@ class SensorInputs {
     double rate_hz = 0.0;       ///< since the last call of traffic(), by the wall
   };
 
-  /// `motion_input`: dead_reckoning or odom. `observation_input`: scan or detections.
+  /// `motion_input`: dead_reckoning or odom. `observation_input`: scan, points or
+  /// detections.
   SensorInputs(ros::NodeHandle handle, const std::string& motion_input,
                const std::string& observation_input, bool with_gps, SensorQueue& queue,
                CauseLog& causes);

@@ -22,6 +22,16 @@ std::string withoutSlash(const std::string& frame) {
 
 constexpr double kUpright = 0.985;  // 10 degrees: the scan's plane is taken to be the ground's
 
+SensorMountings::Answer answerOf(const geometry_msgs::Transform& transform) {
+  SensorMountings::Answer answer;
+  answer.T_base_sensor = fromMessage(transform);
+  const auto& q = transform.rotation;
+  const auto& t = transform.translation;
+  answer.T_base_frame.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
+  answer.T_base_frame.translation() << t.x, t.y, t.z;
+  return answer;
+}
+
 }  // namespace
 
 SensorMountings::SensorMountings(const tf2::BufferCore& tf, std::string base_frame,
@@ -30,42 +40,60 @@ SensorMountings::SensorMountings(const tf2::BufferCore& tf, std::string base_fra
 
 SensorMountings::Answer SensorMountings::find(const std::string& sensor_frame,
                                               double steady_now_s) {
-  auto [place, is_new] = entries_.try_emplace(sensor_frame, Entry{steady_now_s, {}});
+  return remembered(sensor_frame, false, steady_now_s);
+}
+
+SensorMountings::Answer SensorMountings::findInSpace(const std::string& sensor_frame,
+                                                     double steady_now_s) {
+  return remembered(sensor_frame, true, steady_now_s);
+}
+
+SensorMountings::Answer SensorMountings::remembered(const std::string& sensor_frame, bool in_space,
+                                                    double steady_now_s) {
+  auto [place, is_new] = entries_.try_emplace({sensor_frame, in_space}, Entry{steady_now_s, {}});
   Entry& entry = place->second;
   if (is_new || !entry.answer.T_base_sensor) {
-    entry.answer = ask(sensor_frame, steady_now_s - entry.first_asked_s);
+    entry.answer = ask(sensor_frame, in_space, steady_now_s - entry.first_asked_s);
   }
   return entry.answer;
 }
 
 void SensorMountings::reset() { entries_.clear(); }
 
-SensorMountings::Answer SensorMountings::ask(const std::string& sensor_frame,
+SensorMountings::Answer SensorMountings::ask(const std::string& sensor_frame, bool in_space,
                                              double waited_s) const {
-  if (sensor_frame.empty()) return {std::nullopt, false, "the message names no frame"};
+  Answer answer;
+  if (sensor_frame.empty()) {
+    answer.problem = "the message names no frame";
+    return answer;
+  }
   try {
     const auto transform =
         tf_.lookupTransform(base_frame_, withoutSlash(sensor_frame), ros::Time(0)).transform;
-    if (uprightness(transform.rotation) < kUpright) {
-      return {
-          std::nullopt, false,
-          "the sensor of frame '" + sensor_frame +
-              "' is tilted by over 10 degrees or upside down; its scan is not in the plane of '" +
-              base_frame_ + "'"};
-    }
-    return {fromMessage(transform), false, ""};
+    if (in_space || uprightness(transform.rotation) >= kUpright) return answerOf(transform);
+    answer.problem =
+        "the sensor of frame '" + sensor_frame +
+        "' is tilted by over 10 degrees or upside down; its scan is not in the plane of '" +
+        base_frame_ + "'";
+    return answer;
   } catch (const tf2::TransformException&) {
-    if (waited_s < wait_s_) return {std::nullopt, true, ""};
+    answer.waiting = waited_s < wait_s_;
+    if (answer.waiting) return answer;
   }
-  const std::string unknown =
+  answer.problem =
       "tf does not know where frame '" + sensor_frame + "' stands on '" + base_frame_ + "'";
-  if (!fallback_) {
-    return {std::nullopt, false,
-            unknown + "; publish that static transform, or describe the laser in the vehicle"};
+  if (in_space) {
+    answer.problem += "; publish that static transform";
+  } else if (!fallback_) {
+    answer.problem += "; publish that static transform, or describe the laser in the vehicle";
+  } else {
+    ROS_WARN_STREAM(answer.problem << "; the vehicle's description is used: x " << fallback_->x_m
+                                   << " m, y " << fallback_->y_m << " m, yaw " << fallback_->yaw_rad
+                                   << " rad.");
+    answer.problem.clear();
+    answer.T_base_sensor = fallback_;
   }
-  ROS_WARN_STREAM(unknown << "; the vehicle's description is used: x " << fallback_->x_m << " m, y "
-                          << fallback_->y_m << " m, yaw " << fallback_->yaw_rad << " rad.");
-  return {fallback_, false, ""};
+  return answer;
 }
 
 }  // namespace hymm

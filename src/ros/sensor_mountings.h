@@ -3,7 +3,9 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include <Eigen/Geometry>
 #include <tf2/buffer_core.h>
 
 #include "common/pose2.h"
@@ -19,6 +21,7 @@ class SensorMountings {
     std::optional<core::Pose2> T_base_sensor;
     bool waiting = false;  ///< not known yet; ask again
     std::string problem;   ///< where it is neither: why, and what to do
+    Eigen::Isometry3d T_base_frame = Eigen::Isometry3d::Identity();  ///< of findInSpace()
   };
 
   /// `fallback`: from the vehicle's description, if it tells; used, with a warning in the log, when
@@ -29,6 +32,10 @@ class SensorMountings {
   /// `steady_now_s`: any clock that runs with the wall and never jumps.
   Answer find(const std::string& sensor_frame, double steady_now_s);
 
+  /// The same of a sensor that measures in space: it may be tilted, and how high it stands counts,
+  /// so that only tf can tell.
+  Answer findInSpace(const std::string& sensor_frame, double steady_now_s);
+
   /// Forgets what tf said: another recording begins.
   void reset();
 
@@ -38,13 +45,14 @@ class SensorMountings {
     Answer answer;
   };
 
-  Answer ask(const std::string& sensor_frame, double waited_s) const;
+  Answer remembered(const std::string& sensor_frame, bool in_space, double steady_now_s);
+  Answer ask(const std::string& sensor_frame, bool in_space, double waited_s) const;
 
   const tf2::BufferCore& tf_;
   std::string base_frame_;
   std::optional<core::Pose2> fallback_;
   double wait_s_;
-  std::map<std::string, Entry> entries_;
+  std::map<std::pair<std::string, bool>, Entry> entries_;  ///< by frame, and whether in space
 };
 
 }  // namespace hymm

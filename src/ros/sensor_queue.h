@@ -11,15 +11,17 @@
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/NavSatFix.h>
+#include <sensor_msgs/PointCloud2.h>
 
 namespace hymm {
 
 /// A message of any sensor.
-using SensorMessage = std::variant<DeadReckoning::ConstPtr, nav_msgs::Odometry::ConstPtr,
-                                   sensor_msgs::LaserScan::ConstPtr, LandmarkObservations::ConstPtr,
-                                   sensor_msgs::NavSatFix::ConstPtr>;
+using SensorMessage =
+    std::variant<DeadReckoning::ConstPtr, nav_msgs::Odometry::ConstPtr,
+                 sensor_msgs::LaserScan::ConstPtr, sensor_msgs::PointCloud2::ConstPtr,
+                 LandmarkObservations::ConstPtr, sensor_msgs::NavSatFix::ConstPtr>;
 
-/// Whether it is a scan or a set of observations: what a filter answers with an estimate.
+/// Whether it is a scan, a cloud or a set of observations: what a filter answers with an estimate.
 bool isScan(const SensorMessage& message);
 
 /// The header of any message.
@@ -29,6 +31,9 @@ const std_msgs::Header& headerOf(const SensorMessage& message);
 /// receiving never waits for work. Bounded; what does not fit is dropped and counted. Thread-safe.
 class SensorQueue {
  public:
+  /// Clouds are a thousand times larger than other messages: these are a gigabyte or less.
+  static constexpr std::size_t kMostClouds = 300;
+
   struct Counts {
     std::size_t dropped = 0;        ///< of all kinds
     std::size_t dropped_scans = 0;  ///< among them
@@ -51,6 +56,7 @@ class SensorQueue {
   std::condition_variable filled_;
   std::deque<SensorMessage> messages_;
   std::size_t capacity_;
+  std::size_t clouds_ = 0;  ///< among the messages
   Counts counts_;
 };
 

@@ -26,7 +26,8 @@ EventReader eventReader(const tf2::BufferCore& tf, const core::SuiteConfig& conf
   std::optional<core::Pose2> laser;
   if (config.vehicle_tells_laser) laser = vehicle.laser.T_base_sensor();
   return EventReader(SensorMountings(tf, vehicle.base_frame, laser, 0.0),
-                     GpsConverter({vehicle.gps_antenna.x_m, vehicle.gps_antenna.y_m}), causes);
+                     GpsConverter({vehicle.gps_antenna.x_m, vehicle.gps_antenna.y_m}),
+                     config.point_clouds, causes);
 }
 
 }  // namespace

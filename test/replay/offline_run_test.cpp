@@ -147,6 +147,27 @@ TEST_F(Offline, RunsOnDetectionsOnDemand) {
   EXPECT_GE(summary("results")["landmarks"].as<int>(), 5);
 }
 
+TEST_F(Offline, RunsOnCloudsOnDemandAndMapsThem) {
+  test::Drive drive;
+  drive.has_scans = false;
+  drive.has_points = true;
+  const std::string bag = test::writeDriveBag(folder_ / "a.bag", drive);
+  const std::string own = folder_.write(
+      "own.yaml", "cekf_slam: {observation_input: points}\nhymm_grid: {scan_input: points}\n");
+  const test::ToolRun tool = run(bag, "results", "--config " + own);
+  ASSERT_EQ(tool.exit_code, 0) << tool.err;
+  const YAML::Node points = summary("results");
+  EXPECT_EQ(points["scans"].as<int>(), 60);
+  EXPECT_EQ(points["dropped_scans"].as<int>(), 0);
+
+  // As a laser in the lidar's place.
+  ASSERT_EQ(run(test::writeDriveBag(folder_ / "b.bag", {}), "scans").exit_code, 0);
+  const YAML::Node scans = summary("scans");
+  EXPECT_NEAR(points["landmarks"].as<int>(), scans["landmarks"].as<int>(), 1);
+  EXPECT_NEAR(points["ltrs"].as<int>(), scans["ltrs"].as<int>(), 2);
+  EXPECT_GT(points["ltrs"].as<int>(), 5);
+}
+
 TEST_F(Offline, SecondRecordingInABagBeginsANewMap) {
   test::Drive first, second;
   second.begin_s = 20.0;

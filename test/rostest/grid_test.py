@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Wiring of the node hymm_grid: the map appears, answers, is exported, outlives a kill, begins anew
-with the filter, and counts what it cannot use."""
+with the filter, and counts what it cannot use; point clouds make the same map as scans."""
+import json
 import math
 import os
 import signal
@@ -22,6 +23,8 @@ from hymm.srv import ExportMap, MatchScan, Pause, QueryProperty
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap
+from sensor_msgs import point_cloud2
+from sensor_msgs.msg import PointCloud2
 
 sys.path.insert(0, os.path.dirname(__file__))
 from nodes_test import Robot  # noqa: E402
@@ -44,18 +47,29 @@ class GridTest(unittest.TestCase):
         rospy.Subscriber("ltr_grids", LtrGrid, cls.grids.append)
         rospy.Subscriber("grid_status", GridStatus, cls.states.append)
         rospy.Subscriber("/diagnostics", DiagnosticArray, cls.diagnose)
+        cls.lidar_states, cls.lidar_diagnostics = [], {}
+        rospy.Subscriber("lidar/grid_status", GridStatus, cls.lidar_states.append)
+        cls.clouds = rospy.Publisher("lidar/points", PointCloud2, queue_size=100)
         cls.samples = rospy.Publisher("property_samples", PropertySample, queue_size=100)
         cls.robot = Robot()
-        while cls.robot.scans.get_num_connections() < 2 or cls.samples.get_num_connections() < 1:
+        while (cls.robot.scans.get_num_connections() < 2 or cls.samples.get_num_connections() < 1 or
+               cls.clouds.get_num_connections() < 2 or cls.robot.motion.get_num_connections() < 3):
             time.sleep(0.05)
         cls.x = 0.0
         cls.drive(60)
+        # A map of landmarks that was published before a node subscribed is waited for in vain.
+        deadline = time.time() + 30.0
+        while not all(states and states[-1].scans >= 50 for states in (cls.states, cls.lidar_states)):
+            assert time.time() < deadline, "waited in vain for scans and clouds in grid_status"
+            time.sleep(0.05)
 
     @classmethod
     def diagnose(cls, message):
         for status in message.status:
             if status.name == "hymm_grid: dense map":
                 cls.diagnostics = {item.key: item.value for item in status.values}
+            elif status.name.endswith("lidar/hymm_grid: dense map"):
+                cls.lidar_diagnostics = {item.key: item.value for item in status.values}
 
     @classmethod
     def drive(cls, scans):
@@ -63,8 +77,24 @@ class GridTest(unittest.TestCase):
             cls.x += 0.5 * SCAN_STEP
             laser = cls.x + LASER_X
             near = [(x - laser, y) for x, y in POLES if 0.5 < x - laser < 25.0]
-            cls.robot.drive_with(cls.robot.scan(poles=near))
+            scan = cls.robot.scan(poles=near)
+            cls.clouds.publish(cls.cloud_of(scan))
+            cls.robot.drive_with(scan)
             cls.x += 0.5 * SCAN_STEP
+
+    @classmethod
+    def cloud_of(cls, scan):
+        """What a lidar sees that stands in the place of a laser: obstacles, and the ground."""
+        points = []
+        for beam, range_m in enumerate(scan.ranges):
+            bearing = scan.angle_min + beam * scan.angle_increment
+            x, y = math.cos(bearing), math.sin(bearing)
+            points += [(r * x, r * y, -0.4) for r in (5.0, 10.0, 20.0) if r < range_m]
+            if math.isfinite(range_m):
+                points += [(range_m * x, range_m * y, z) for z in (0.5, 1.0)]
+        header = scan.header
+        header.stamp = rospy.Time.from_sec(cls.robot.time_s + 0.1)  # as drive_with() stamps the scan
+        return point_cloud2.create_cloud_xyz32(header, points)
 
     def wait_for(self, condition, what):
         deadline = time.time() + 15.0
@@ -92,8 +122,31 @@ class GridTest(unittest.TestCase):
         self.assertEqual(self.maps[-1].header.frame_id, "map")
         self.wait_for(lambda: self.metadata, "map_metadata")
         self.wait_for(lambda: self.grids, "ltr_grids")
-        self.wait_for(lambda: self.states and self.states[-1].scans >= 50, "scans in grid_status")
         self.assertEqual(self.states[-1].lost_scans, 0)
+
+    def test_clouds_make_the_same_map_as_scans(self):
+        query = rospy.ServiceProxy("lidar/query_property", QueryProperty)
+        known, alike = 0, 0
+        for i in range(40):
+            for y in (-2.0, -0.4, 1.2):
+                x = 8.0 + 0.3 * i
+                position = PropertySample().position
+                position.x, position.y = x, y
+                of_clouds = query(layer="occupancy", position=position)
+                of_scans = self.query("occupancy", x, y)
+                if not (of_clouds.known and of_scans.known):
+                    continue
+                known += 1
+                alike += (of_clouds.value > 0.5) == (of_scans.value > 0.5)
+        self.assertGreater(known, 50)
+        self.assertGreater(alike, 0.98 * known)
+
+    def test_clouds_without_the_fields_needed_are_counted(self):
+        cloud = self.cloud_of(self.robot.scan())
+        cloud.fields[2].name = "height"
+        self.clouds.publish(cloud)
+        self.wait_for(lambda: self.lidar_diagnostics.get("point clouds that cannot be read") == "1",
+                      "a cloud without height")
 
     def test_only_what_changed_is_sent(self):
         self.wait_for(lambda: self.maps, "a map")
@@ -142,7 +195,9 @@ class GridTest(unittest.TestCase):
         self.assertIn("finite", self.query("occupancy", float("nan"), 0.0).message)
 
     def test_export_gives_back_the_cells(self):
-        self.wait_for(lambda: self.maps, "a map")
+        last_scan_s = self.robot.time_s - 0.1
+        self.wait_for(lambda: self.maps and self.states[-1].header.stamp.to_sec() > last_scan_s - 0.05,
+                      "the last scan")
         time.sleep(1.5)  # so that it is the whole map, drawn anew
         cells = self.maps[-1]
         with tempfile.TemporaryDirectory() as folder:
@@ -169,6 +224,13 @@ class GridTest(unittest.TestCase):
             answer = service(format="octomap", path=os.path.join(folder, "park.bt"))
             self.assertTrue(answer.success, answer.message)
             self.assertTrue(Path(folder, "park.bt").read_bytes().startswith(b"# Octomap OcTree bin"))
+            answer = service(format="geojson", path=os.path.join(folder, "park.geojson"))
+            self.assertTrue(answer.success, answer.message)
+            features = json.loads(Path(folder, "park.geojson").read_text())["features"]
+            kinds = [feature["properties"]["kind"] for feature in features]
+            self.assertEqual(kinds.count("ltr"), len(self.ltrs[-1].ltrs))
+            self.assertGreaterEqual(kinds.count("landmark"), 4)
+            self.assertTrue(features[-1]["geometry"]["coordinates"])
         for bad in ({"format": "tiff", "path": "/tmp/a"}, {"format": "pgm", "path": "a"},
                     {"format": "pgm", "path": "/no/such/folder/a"}):
             answer = service(**bad)

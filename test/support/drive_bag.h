@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <geometry_msgs/TransformStamped.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/NavSatFix.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "ros/sensor_conversions.h"
@@ -24,6 +27,7 @@ struct Drive {
   bool has_gps = true;
   bool has_tf = true;
   bool has_detections = false;
+  bool has_points = false;          ///< clouds of a lidar in the laser's place: trunks, and ground
   double lost_motion_from_s = 0.0;  ///< since the begin; up to the next
   double lost_motion_to_s = 0.0;
   std::function<void(sensor_msgs::LaserScan&, int)> spoil;  ///< changes the scan of an index
@@ -62,6 +66,32 @@ inline core::ObservationSet detectionsAt(double x_m) {
   return set;
 }
 
+/// What a lidar 1 m above base_link sees where the laser sees `scan`.
+inline sensor_msgs::PointCloud2 cloudOf(const core::LaserScan& scan) {
+  std::vector<Eigen::Vector3f> points;
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const double bearing = scan.bearing(i);
+    const Eigen::Vector2f along(std::cos(bearing), std::sin(bearing));
+    for (const float ground : {4.0F, 9.0F}) {
+      if (scan.ranges_m[i] > ground)
+        points.emplace_back(ground * along.x(), ground * along.y(), -1.0F);
+    }
+    if (!std::isfinite(scan.ranges_m[i])) continue;
+    const Eigen::Vector2f end = scan.ranges_m[i] * along;
+    for (const float height : {-0.4F, 0.0F, 0.5F}) points.emplace_back(end.x(), end.y(), height);
+  }
+  sensor_msgs::PointCloud2 cloud;
+  sensor_msgs::PointCloud2Modifier modifier(cloud);
+  modifier.setPointCloud2FieldsByString(1, "xyz");
+  modifier.resize(points.size());
+  sensor_msgs::PointCloud2Iterator<float> x(cloud, "x"), y(cloud, "y"), z(cloud, "z");
+  for (const Eigen::Vector3f& point : points) {
+    *x = point.x(), *y = point.y(), *z = point.z();
+    ++x, ++y, ++z;
+  }
+  return cloud;
+}
+
 inline tf2_msgs::TFMessage laserTransform(const ros::Time& stamp) {
   tf2_msgs::TFMessage message;
   message.transforms.resize(1);
@@ -69,6 +99,7 @@ inline tf2_msgs::TFMessage laserTransform(const ros::Time& stamp) {
   message.transforms[0].header.frame_id = "base_link";
   message.transforms[0].child_frame_id = "laser";
   message.transforms[0].transform.translation.x = kLaserAhead_m;
+  message.transforms[0].transform.translation.z = 1.0;
   message.transforms[0].transform.rotation.w = 1.0;
   return message;
 }
@@ -112,6 +143,11 @@ inline void writeDrive(rosbag::Bag& bag, const Drive& drive) {
     sensor_msgs::LaserScan message = toMessage(scan, "laser");
     if (drive.spoil) drive.spoil(message, i / kInputsPerScan);
     if (drive.has_scans) bag.write(drive.scan_topic, recorded, message);
+    if (drive.has_points) {
+      sensor_msgs::PointCloud2 cloud = cloudOf(scan);
+      cloud.header = message.header;
+      bag.write("/points", recorded, cloud);
+    }
     if (drive.has_detections) {
       core::ObservationSet set = detectionsAt(x_m);
       set.time_s = time_s;

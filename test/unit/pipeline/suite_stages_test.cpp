@@ -50,5 +50,16 @@ TEST(SuiteStages, RefuseConfigurationsThatCannotBeUsed) {
   EXPECT_THROW(makeStages({"cekf_slam", "hymm_grid"}, config), ConfigError);
 }
 
+TEST(SuiteStages, RefuseToWriteOtherScansThanTheFilterObserves) {
+  SuiteConfig config;
+  config.cekf_slam.observation_input = "points";
+  EXPECT_THROW(makeStages({"cekf_slam", "hymm_grid"}, config), ConfigError);
+  EXPECT_NO_THROW(makeStages({"cekf_slam"}, config));
+  config.hymm_grid.scan_input = "points";
+  EXPECT_NO_THROW(makeStages({"cekf_slam", "hymm_grid"}, config));
+  config.cekf_slam.observation_input = "detections";
+  EXPECT_NO_THROW(makeStages({"cekf_slam", "hymm_grid"}, config));
+}
+
 }  // namespace
 }  // namespace hymm::core

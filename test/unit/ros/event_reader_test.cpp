@@ -103,7 +103,7 @@ class EventReaderTest : public SensorPlaces {
   }
 
   CauseLog causes_;
-  EventReader reader_{mountings(), GpsConverter({1.0, 0.0}), causes_};
+  EventReader reader_{mountings(), GpsConverter({1.0, 0.0}), core::PointCloudConfig(), causes_};
 };
 
 TEST_F(EventReaderTest, ScansAndDetectionsComeWithThePlaceOfTheSensor) {

@@ -1,0 +1,188 @@
+#include "ros/cloud_scans.h"
+
+#include <cmath>
+#include <limits>
+
+#include <boost/make_shared.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
+
+#include "ros/event_reader.h"
+
+namespace hymm {
+namespace {
+
+using testing::Contains;
+using testing::FloatNear;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Key;
+using testing::Not;
+using testing::SizeIs;
+
+constexpr double kWait_s = 5.0;
+
+boost::shared_ptr<sensor_msgs::PointCloud2> cloudOf(const std::vector<Eigen::Vector3f>& points) {
+  auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
+  cloud->header.frame_id = "lidar";
+  cloud->header.stamp = ros::Time(12.25);
+  sensor_msgs::PointCloud2Modifier modifier(*cloud);
+  modifier.setPointCloud2FieldsByString(1, "xyz");
+  modifier.resize(points.size());
+  sensor_msgs::PointCloud2Iterator<float> x(*cloud, "x"), y(*cloud, "y"), z(*cloud, "z");
+  for (const Eigen::Vector3f& point : points) {
+    *x = point.x(), *y = point.y(), *z = point.z();
+    ++x, ++y, ++z;
+  }
+  return cloud;
+}
+
+class PointClouds : public testing::Test {
+ protected:
+  /// The lidar stands 2 m ahead of and 1.5 m above base_link, turned left and its nose down.
+  void mount(double yaw_rad = 0.0, double pitch_rad = 0.0) {
+    const Eigen::Quaterniond q(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
+                               Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()));
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = "base_link";
+    transform.child_frame_id = "lidar";
+    transform.transform.translation.x = 2.0;
+    transform.transform.translation.z = 1.5;
+    transform.transform.rotation.x = q.x();
+    transform.transform.rotation.y = q.y();
+    transform.transform.rotation.z = q.z();
+    transform.transform.rotation.w = q.w();
+    tf_.setTransform(transform, "test", true);
+  }
+  SensorMountings mountings() { return SensorMountings(tf_, "base_link", std::nullopt, kWait_s); }
+
+  std::string problemOf(const sensor_msgs::PointCloud2& cloud) {
+    return scanOfCloud(cloud, mountings().findInSpace("lidar", 0.0), core::PointCloudConfig())
+        .problem;
+  }
+
+  tf2::BufferCore tf_;
+  CauseLog causes_;
+  CloudScans scans_{mountings(), core::PointCloudConfig(), causes_};
+};
+
+TEST_F(PointClouds, BecomeScansOfTheirStamp) {
+  mount();
+  scans_.add(cloudOf({{5.0F, 0.0F, -0.5F}, {3.0F, 0.0F, -1.5F}}));
+  const auto scans = scans_.takeReady(0.0);
+  ASSERT_THAT(scans, SizeIs(1));
+  EXPECT_EQ(scans[0]->header.stamp, ros::Time(12.25));
+  EXPECT_EQ(scans[0]->header.frame_id, "lidar");
+  EXPECT_THAT(scans[0]->ranges, Contains(FloatNear(5.0F, 1e-5F)));
+  EXPECT_THAT(scans[0]->ranges, Not(Contains(FloatNear(3.0F, 0.1F))));  // the ground
+}
+
+TEST_F(PointClouds, OfATiltedSensorAreRightedByTf) {
+  mount(0.4, 0.3);
+  // 6 m along the sensor's heading and 1 m above base_link, in the sensor's axes.
+  const Eigen::Vector3f point =
+      (Eigen::AngleAxisd(-0.3, Eigen::Vector3d::UnitY()) * Eigen::Vector3d(6.0, 0.0, -0.5))
+          .cast<float>();
+  const auto cloud = cloudOf({point});
+  EventReader reader(mountings(), GpsConverter({0.0, 0.0}), core::PointCloudConfig(), causes_);
+  const auto event =
+      reader.read(SensorMessage(sensor_msgs::PointCloud2::ConstPtr(cloud)), 0.0).event;
+  ASSERT_TRUE(event);
+  const auto& scan = std::get<core::ScanEvent>(*event);
+  EXPECT_NEAR(scan.T_base_laser.x_m, 2.0, 1e-9);
+  EXPECT_NEAR(scan.T_base_laser.yaw_rad, 0.4, 1e-9);
+  EXPECT_EQ(scan.scan.time_s, 12.25);
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < scan.scan.ranges_m.size(); ++i) {
+    if (!std::isfinite(scan.scan.ranges_m[i])) continue;
+    ++seen;
+    EXPECT_NEAR(scan.scan.ranges_m[i], 6.0F, 1e-4F);
+    EXPECT_NEAR(scan.scan.bearing(i), 0.0, scan.scan.angle_increment_rad);
+  }
+  EXPECT_EQ(seen, 1U);
+}
+
+TEST_F(PointClouds, WithoutTheFieldsNeededAreRefusedAndCounted) {
+  mount();
+  const auto cloud = cloudOf({{5.0F, 0.0F, 0.0F}});
+  cloud->fields[2].name = "height";
+  scans_.add(cloud);
+  EXPECT_THAT(scans_.takeReady(0.0), IsEmpty());
+  EXPECT_THAT(causes_.counts(), Contains(Key("point clouds that cannot be read")));
+  EXPECT_THAT(problemOf(*cloud), HasSubstr("no field 'z'; it has x, y, height"));
+  cloud->fields.clear();
+  EXPECT_THAT(problemOf(*cloud), HasSubstr("no field 'x'; it has none"));
+}
+
+TEST_F(PointClouds, WhoseDataDoNotFitTheirLayoutAreRefused) {
+  mount();
+  const auto whole = cloudOf({{5.0F, 0.0F, 0.0F}, {6.0F, 0.0F, 0.0F}});
+  EXPECT_EQ(problemOf(*whole), "");
+  sensor_msgs::PointCloud2 cloud = *whole;
+  cloud.data.pop_back();
+  EXPECT_THAT(problemOf(cloud), HasSubstr("size"));
+  cloud = *whole;
+  cloud.width = std::numeric_limits<std::uint32_t>::max();
+  EXPECT_THAT(problemOf(cloud), HasSubstr("size"));
+  cloud = *whole;
+  cloud.fields[0].datatype = sensor_msgs::PointField::FLOAT64;
+  EXPECT_THAT(problemOf(cloud), HasSubstr("FLOAT32"));
+  cloud = *whole;
+  cloud.fields[0].offset = std::numeric_limits<std::uint32_t>::max();
+  EXPECT_THAT(problemOf(cloud), HasSubstr("point_step"));
+  cloud = *whole;
+  cloud.is_bigendian = 1U;
+  EXPECT_THAT(problemOf(cloud), HasSubstr("big-endian"));
+}
+
+TEST_F(PointClouds, WithoutPointsSayNothing) {
+  mount();
+  scans_.add(cloudOf({}));
+  const auto scans = scans_.takeReady(0.0);
+  ASSERT_THAT(scans, SizeIs(1));
+  for (const float range : scans[0]->ranges) EXPECT_TRUE(std::isnan(range));
+}
+
+TEST_F(PointClouds, WaitForTfAndAreThenTakenInOrder) {
+  const auto first = cloudOf({{5.0F, 0.0F, 0.0F}}), second = cloudOf({{6.0F, 0.0F, 0.0F}});
+  second->header.stamp = ros::Time(12.5);
+  scans_.add(first);
+  scans_.add(second);
+  EXPECT_THAT(scans_.takeReady(0.0), IsEmpty());
+  EXPECT_EQ(causes_.total(), 0U);
+  mount();
+  const auto scans = scans_.takeReady(1.0);
+  ASSERT_THAT(scans, SizeIs(2));
+  EXPECT_EQ(scans[1]->header.stamp, ros::Time(12.5));
+}
+
+TEST_F(PointClouds, OfAnUnknownFrameAreRefusedAndCounted) {
+  scans_.add(cloudOf({{5.0F, 0.0F, 0.0F}}));
+  scans_.takeReady(0.0);
+  EXPECT_THAT(scans_.takeReady(kWait_s + 1.0), IsEmpty());
+  EXPECT_EQ(causes_.counts().at("unknown frame 'lidar'"), 1U);
+}
+
+TEST_F(PointClouds, ThatWaitInVainAreBounded) {
+  for (int i = 0; i < 150; ++i) scans_.add(cloudOf({}));
+  EXPECT_THAT(scans_.takeReady(0.0), IsEmpty());
+  EXPECT_EQ(causes_.counts().at("point clouds dropped"), 50U);
+  mount();
+  EXPECT_THAT(scans_.takeReady(1.0), SizeIs(100));
+}
+
+TEST(SensorQueue, HoldsFewerCloudsThanOtherMessages) {
+  SensorQueue queue(1000);
+  for (std::size_t i = 0; i <= SensorQueue::kMostClouds; ++i) {
+    EXPECT_EQ(queue.push(sensor_msgs::PointCloud2::ConstPtr(cloudOf({}))),
+              i < SensorQueue::kMostClouds);
+  }
+  EXPECT_TRUE(queue.push(boost::make_shared<const DeadReckoning>()));
+  EXPECT_EQ(queue.counts().dropped_scans, 1U);
+  queue.takeAll(std::chrono::milliseconds(0));
+  EXPECT_TRUE(queue.push(sensor_msgs::PointCloud2::ConstPtr(cloudOf({}))));
+}
+
+}  // namespace
+}  // namespace hymm
