@@ -62,7 +62,7 @@ std::optional<PairedScan> ScanPairing::next(double now_s, bool has_scans) {
 
     PairedScan paired{updates_.front(), poses_.front().pose, nullptr, nullptr};
     if (paired.update->map_follows) {
-      const Search map = findMap(pose.map_version, waited_s > kMapPatience_s, paired.map);
+      const Search map = findMap(*paired.update, waited_s > kMapPatience_s, paired.map);
       if (map == Search::kWaiting) return std::nullopt;
       if (map == Search::kNone) ++counts_.missing_maps;
     }
@@ -81,7 +81,7 @@ std::optional<PairedScan> ScanPairing::next(double now_s, bool has_scans) {
 std::optional<PairedScan> ScanPairing::takeLoneUpdate() {
   ++counts_.missing_poses;
   PairedScan alone{updates_.front(), nullptr, nullptr, nullptr};
-  findMap(alone.update->version, true, alone.map);
+  findMap(*alone.update, true, alone.map);
   updates_.pop_front();
   return alone;
 }
@@ -97,11 +97,19 @@ ScanPairing::Search ScanPairing::findUpdate(bool is_late) {
   return is_late || was_passed ? Search::kNone : Search::kWaiting;
 }
 
-ScanPairing::Search ScanPairing::findMap(std::uint64_t version, bool is_late,
+/// The map that an update announced. One that was sent before this node subscribed never comes; a
+/// later one tells so. (Of a filter that was started anew since, versions or stamps are lower.)
+ScanPairing::Search ScanPairing::findMap(const LandmarkUpdate& update, bool is_late,
                                          LandmarkMap::ConstPtr& map) {
-  const auto found = std::find_if(maps_.begin(), maps_.end(),
-                                  [&](const auto& held) { return held->version == version; });
-  if (found == maps_.end()) return is_late ? Search::kNone : Search::kWaiting;
+  const auto found = std::find_if(maps_.begin(), maps_.end(), [&](const auto& held) {
+    return held->version == update.version;
+  });
+  if (found == maps_.end()) {
+    const bool was_passed = std::any_of(maps_.begin(), maps_.end(), [&](const auto& held) {
+      return held->version > update.version && held->header.stamp > update.header.stamp;
+    });
+    return is_late || was_passed ? Search::kNone : Search::kWaiting;
+  }
   map = *found;
   maps_.erase(maps_.begin(), found + 1);
   return Search::kFound;

@@ -60,7 +60,7 @@ class ScanPairing {
 
   std::optional<PairedScan> takeLoneUpdate();
   Search findUpdate(bool is_late);
-  Search findMap(std::uint64_t version, bool is_late, LandmarkMap::ConstPtr& map);
+  Search findMap(const LandmarkUpdate& update, bool is_late, LandmarkMap::ConstPtr& map);
   Search findScan(const ros::Time& stamp, bool is_late, sensor_msgs::LaserScan::ConstPtr& scan);
   void forgetScansBeforeJump();
 

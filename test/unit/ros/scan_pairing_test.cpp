@@ -30,8 +30,9 @@ LandmarkUpdate::ConstPtr updateAt(double second, std::uint64_t version, bool map
   return update;
 }
 
-LandmarkMap::ConstPtr mapOf(std::uint64_t version) {
+LandmarkMap::ConstPtr mapOf(std::uint64_t version, double second = 0.0) {
   auto map = boost::make_shared<LandmarkMap>();
+  map->header.stamp = ros::Time(second);
   map->version = version;
   return map;
 }
@@ -78,6 +79,20 @@ TEST(ScanPairing, GivesUpAWholeMapThatDoesNotCome) {
   ASSERT_TRUE(paired.has_value());
   EXPECT_EQ(paired->map, nullptr);
   EXPECT_NE(paired->scan, nullptr);
+  EXPECT_EQ(pairing.counts().missing_maps, 1u);
+}
+
+TEST(ScanPairing, AWholeMapThatALaterOneHasPassedWillNotCome) {
+  ScanPairing pairing;
+  pairing.add(scanAt(5.0));
+  pairing.add(poseAt(5.0, 7), 0.0);
+  pairing.add(updateAt(5.0, 7, true));
+  pairing.add(mapOf(9, 4.0));  // of a filter that was started anew since
+  EXPECT_FALSE(pairing.next(0.0, true).has_value());
+  pairing.add(mapOf(8, 6.0));
+  const std::optional<PairedScan> paired = pairing.next(0.0, true);
+  ASSERT_TRUE(paired.has_value());
+  EXPECT_EQ(paired->map, nullptr);
   EXPECT_EQ(pairing.counts().missing_maps, 1u);
 }
 
