@@ -38,6 +38,11 @@ class ActiveArea {
 
   const Counts& counts() const { return counts_; }
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(centre_, due_, deferred_);
+  }
+
  private:
   ActiveAreaConfig config_;
   Eigen::Vector2d centre_ = Eigen::Vector2d::Zero();

@@ -22,6 +22,7 @@
 #include "cekf/vehicle_state.h"
 #include "common/cpu_timer.h"
 #include "common/gaussian.h"
+#include "common/state_archive.h"
 #include "perception/perception.h"
 #include "perception/scan_check.h"
 
@@ -82,6 +83,7 @@ class CekfSlam::Impl {
   }
 
   void takeMotion(const MotionInput& input) {
+    goOnAfterLoad(timeOf(input));
     const CpuTimer timer(cpu_times_.filter_s);
     if (waiting_) {
       if (!waiting_->vehicle.takeInput(waiting_->filter, input)) ++counts_.refused_motion;
@@ -93,6 +95,7 @@ class CekfSlam::Impl {
   ScanOutcome processScan(const ScanEvent& event) {
     const auto start = std::chrono::steady_clock::now();
     if (const auto problem = scanProblem(event.scan)) return refuse(*problem);
+    goOnAfterLoad(event.scan.time_s);
     if (event.scan.time_s <= newestScan_s())
       return refuse("the scan is not later than the last one");
     ObservationSet set;
@@ -108,6 +111,7 @@ class CekfSlam::Impl {
   ScanOutcome processObservations(const ObservationSet& set) {
     const auto start = std::chrono::steady_clock::now();
     if (!std::isfinite(set.time_s)) return refuse("the observations' time is not finite");
+    goOnAfterLoad(set.time_s);
     if (set.time_s <= newestScan_s()) {
       return refuse("the observations are not later than the last ones");
     }
@@ -119,6 +123,7 @@ class CekfSlam::Impl {
     const CpuTimer timer(cpu_times_.filter_s);
     const bool usable = std::isfinite(fix.time_s) && fix.position.allFinite() &&
                         isCovariance(fix.covariance) && fix.antenna.allFinite();
+    if (usable) goOnAfterLoad(fix.time_s);
     if (usable) estimate_.vehicle.moveTo(estimate_.filter, fix.time_s);
     const bool was_aligned = estimate_.gps->isAligned();
     std::optional<UpdateOutcome> update;
@@ -148,6 +153,42 @@ class CekfSlam::Impl {
     estimate_ = newEstimate();
     settled_updates_ = 0;
     last_scan_s_ = -std::numeric_limits<double>::infinity();
+    use_ = MapUse::kExtend;
+    is_just_loaded_ = false;
+  }
+
+  std::string saveState() {
+    StateWriter archive;
+    archive(std::string(kStateKind), kStateVersion);
+    estimate_.vehicle.save(archive);
+    archive(estimate_.gps.has_value());
+    estimate_.filter.save(archive);
+    describeState(archive);
+    return archive.takeBytes();
+  }
+
+  void checkState(std::string_view bytes, const std::string& name) const {
+    Impl trial(config_, vehicle_config_, GlobalUpdates::kInline);
+    trial.restoreState(bytes, name);
+  }
+
+  void loadState(std::string_view bytes, const std::string& name, MapUse use) {
+    checkState(bytes, name);
+    const std::uint64_t version = version_;
+    reset();
+    restoreState(bytes, name);
+    if (version > 0) version_ = std::max(version_, version + 1);
+    told_version_ = version_;
+    use_ = use;
+    is_just_loaded_ = true;
+    estimate_.filter.fixLandmarks(use == MapUse::kLocalise);
+  }
+
+  void placeVehicle(const Pose2& T_map_base, const Eigen::Matrix3d& covariance) {
+    const Eigen::MatrixXd independent = Eigen::MatrixXd::Zero(3, estimate_.vehicle.size());
+    estimate_.filter.initialiseVehicleStates(0, T_map_base.vector(), independent, covariance);
+    estimate_.vehicle.linearisePositionAt(T_map_base.position());
+    ++version_;
   }
 
   PoseEstimate pose() const {
@@ -304,6 +345,9 @@ class CekfSlam::Impl {
   }
 
  private:
+  static constexpr const char* kStateKind = "hymm landmarks";
+  static constexpr std::uint32_t kStateVersion = 1;
+
   /// What begins anew with each recording.
   struct Estimate {
     VehicleState vehicle;
@@ -355,6 +399,49 @@ class CekfSlam::Impl {
 
   double newestScan_s() const { return waiting_ ? waiting_->last_scan_s : last_scan_s_; }
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(version_, last_scan_s_, settled_updates_, life_cycle_, pins_, area_);
+    if (estimate_.gps) archive(*estimate_.gps);
+  }
+
+  /// Into an engine that has just begun, or was reset.
+  void restoreState(std::string_view bytes, const std::string& name) {
+    StateReader archive(bytes, name);
+    archive.require(archive.read<std::string>() == kStateKind, "it holds no landmarks");
+    archive.requireSame(archive.read<std::uint32_t>() == kStateVersion,
+                        "it is of another version of hymm; load it with that.");
+    estimate_.vehicle.restore(archive);
+    archive.require(archive.read<bool>() == estimate_.gps.has_value(),
+                    "its GPS states are missing");
+    estimate_.filter.restore(archive);
+    describeState(archive);
+    archive.requireEnd();
+    for (const RegisteredLandmark& landmark : life_cycle_.registry().slots()) {
+      const DiameterState& diameter = landmark.diameter_state;
+      const bool is_there = landmark.id < 0 || (estimate_.filter.holds(landmark.slot) &&
+                                                (!diameter.exists() || isThere(diameter)));
+      archive.require(is_there, "a landmark has no estimate");
+    }
+  }
+
+  bool isThere(const DiameterState& diameter) const {
+    return estimate_.filter.holds(diameter.slot) && (diameter.half == 0 || diameter.half == 1);
+  }
+
+  /// The first event after a map was loaded: if it does not follow at once what the map saw last,
+  /// the clock begins anew, and what was seen earlier was seen before that.
+  void goOnAfterLoad(double time_s) {
+    if (!is_just_loaded_) return;
+    is_just_loaded_ = false;
+    const double saved_s = estimate_.vehicle.time_s();
+    if (time_s >= saved_s && time_s <= saved_s + estimate_.vehicle.holdLimit_s()) return;
+    estimate_.vehicle.restartClock();
+    last_scan_s_ = -std::numeric_limits<double>::infinity();
+    life_cycle_.beginSession(std::isfinite(saved_s) ? time_s - saved_s : 0.0);
+    pins_.beginSession();
+  }
+
   ScanOutcome refuse(const std::string& reason) {
     ++counts_.refused_scans;
     ScanOutcome outcome;
@@ -390,18 +477,12 @@ class CekfSlam::Impl {
               bool updated, std::chrono::steady_clock::time_point start, ScanOutcome& outcome) {
     outcome.accepted = true;
     const SensorPlacement sensor = sensorPlacement(set);
-    life_cycle_.confirm(set, association, estimate_.filter);
-    const std::vector<int> created = life_cycle_.create(
-        set, sensor, association, estimate_.vehicle.linearisedAt(), estimate_.filter);
-    // What a refused update would have seen is not missed.
-    const int missed = scan != nullptr && updated
-                           ? life_cycle_.miss(*scan, set, sensor, association, estimate_.filter)
-                           : 0;
-    countObservations(association, created, missed, outcome);
-    outcome.largest_correction_m =
-        std::max({outcome.largest_correction_m, life_cycle_.merge(association, estimate_.filter),
-                  life_cycle_.closeLoop(set.time_s, estimate_.filter)});
-    life_cycle_.refreshActive(estimate_.filter);
+    if (use_ == MapUse::kExtend) {
+      extendMap(set, updated ? scan : nullptr, sensor, association, outcome);
+    } else {
+      const std::vector<int> none(association.slots.size(), ScanAssociation::kNone);
+      countObservations(association, none, 0, outcome);
+    }
     if (outcome.largest_correction_m > config_.large_correction_m) spreadCorrection();
     const Eigen::Matrix3d relative = covarianceAmongSeen(association);
     keepActiveArea();
@@ -659,6 +740,22 @@ class CekfSlam::Impl {
            outcome);
   }
 
+  /// What a set of observations does to the landmarks beside the update. `scan`: that shows what
+  /// was missed; null if it does not, or if the update was refused.
+  void extendMap(const ObservationSet& set, const LaserScan* scan, const SensorPlacement& sensor,
+                 const ScanAssociation& association, ScanOutcome& outcome) {
+    life_cycle_.confirm(set, association, estimate_.filter);
+    const std::vector<int> created = life_cycle_.create(
+        set, sensor, association, estimate_.vehicle.linearisedAt(), estimate_.filter);
+    const int missed =
+        scan != nullptr ? life_cycle_.miss(*scan, set, sensor, association, estimate_.filter) : 0;
+    countObservations(association, created, missed, outcome);
+    outcome.largest_correction_m =
+        std::max({outcome.largest_correction_m, life_cycle_.merge(association, estimate_.filter),
+                  life_cycle_.closeLoop(set.time_s, estimate_.filter)});
+    life_cycle_.refreshActive(estimate_.filter);
+  }
+
   void refuseUnusable(ObservationSet& set) {
     auto& observations = set.observations;
     const auto bad = std::remove_if(observations.begin(), observations.end(),
@@ -757,7 +854,8 @@ class CekfSlam::Impl {
   void keepActiveArea() {
     const double worker_s = estimate_.filter.workerCpu_s();
     if (area_.follow(VehicleState::pose(estimate_.filter).position())) {
-      life_cycle_.dropUnconfirmed(last_scan_s_, estimate_.filter);
+      const bool drops = use_ == MapUse::kExtend;
+      if (drops) life_cycle_.dropUnconfirmed(last_scan_s_, estimate_.filter);
     }
     refreshIfSettled();
     area_.updateIfDue(estimate_.filter);
@@ -783,6 +881,8 @@ class CekfSlam::Impl {
   std::uint64_t version_ = 0;
   std::uint64_t told_version_ = 0;  ///< up to which takeUpdate() has told
   double last_scan_s_ = -std::numeric_limits<double>::infinity();
+  MapUse use_ = MapUse::kExtend;
+  bool is_just_loaded_ = false;
   std::size_t past_gaps_ = 0;
   double past_worker_s_ = 0.0;
   double inline_worker_s_ = 0.0;  ///< of global updates, within filter_s
@@ -837,6 +937,16 @@ Resumption CekfSlam::resumeWithoutClosing(double time_T0_s) {
 LandmarkUpdate CekfSlam::takeUpdate() { return impl_->takeUpdate(); }
 void CekfSlam::pinLandmarks(double time_s, const std::vector<int>& ids) {
   impl_->pinLandmarks(time_s, ids);
+}
+std::string CekfSlam::saveState() { return impl_->saveState(); }
+void CekfSlam::loadState(std::string_view bytes, const std::string& name, MapUse use) {
+  impl_->loadState(bytes, name, use);
+}
+void CekfSlam::checkState(std::string_view bytes, const std::string& name) const {
+  impl_->checkState(bytes, name);
+}
+void CekfSlam::placeVehicle(const Pose2& T_map_base, const Eigen::Matrix3d& covariance) {
+  impl_->placeVehicle(T_map_base, covariance);
 }
 bool CekfSlam::isGlobalUpdatePending() { return impl_->isGlobalUpdatePending(); }
 CekfSlam::Counts CekfSlam::counts() const { return impl_->counts(); }

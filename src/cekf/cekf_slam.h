@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -70,6 +71,12 @@ struct ScanOutcome {
   bool suspended = false;
 };
 
+/// What becomes of a map that was loaded.
+enum class MapUse {
+  kExtend,   ///< mapping goes on
+  kLocalise  ///< landmarks stay as they are, and none is added; only the vehicle is estimated
+};
+
 /// Landmark SLAM with a compressed EKF: the engine of the node `cekf_slam`. Events come in time
 /// order (see SensorMerger). Deterministic: same events, same results. Not thread-safe.
 class CekfSlam {
@@ -98,7 +105,7 @@ class CekfSlam {
     std::size_t map_corrections =
         0;  ///< scans that moved an active landmark by over large_correction_m
     std::size_t iterated_updates = 0;
-    std::size_t resets = 0;
+    std::size_t resets = 0;               ///< maps that were begun anew or loaded
     std::size_t resumed = 0;              ///< returns that were accepted, closing or not
     std::size_t refused_resumptions = 0;  ///< of either kind
     std::size_t forgotten_states = 0;     ///< scans given up early, see keepLocalStates()
@@ -195,6 +202,23 @@ class CekfSlam {
   /// Landmarks that must not be dropped, as of a stamp: what is told is in force for scans from
   /// landmarks.pin_delay_s later on. Such landmarks may still be merged. reset() forgets them.
   void pinLandmarks(double time_s, const std::vector<int>& ids);
+
+  /// All that decides how the engine goes on, with every covariance, as bytes. Waits for a global
+  /// update that is on its way, and otherwise changes nothing.
+  std::string saveState();
+
+  /// The map and the estimate that saveState() gave, in the place of the present ones; the version
+  /// does not fall. If the next event comes while the last input still holds, the engine goes on as
+  /// if it had never stopped; else the vehicle has stood still meanwhile. `name` leads the
+  /// sentences of what is thrown: InputError, and nothing changed, if the bytes are damaged or do
+  /// not suit the configuration. reset() ends what `use` says.
+  void loadState(std::string_view bytes, const std::string& name, MapUse use);
+  /// Throws what loadState() would.
+  void checkState(std::string_view bytes, const std::string& name) const;
+
+  /// The vehicle is here for certain, whatever was known of it before: `covariance` is that of
+  /// (x [m], y [m], yaw [rad]), and independent of the map.
+  void placeVehicle(const Pose2& T_map_base, const Eigen::Matrix3d& covariance);
 
   /// Whether a global update is on its way.
   bool isGlobalUpdatePending();

@@ -282,6 +282,10 @@ UpdateOutcome CompressedEkf::update(const std::vector<SparseMeasurement>& measur
   const VectorXd& y = linearised->whitened;
   blas::solveLower(m, n, linearised->L.data(), m, HP.data(), m);
   blas::solveLower(m, n0, linearised->L.data(), m, Hphi.data(), m);
+  if (landmarks_fixed_) {
+    updateVehicle(*linearised, Hphi);
+    return {y.squaredNorm(), 0.0};
+  }
   const VectorXd correction = HP.transpose() * y;
   x_.head(n) += correction;
   theta_.head(n0) += Hphi.transpose() * y;
@@ -291,6 +295,19 @@ UpdateOutcome CompressedEkf::update(const std::vector<SparseMeasurement>& measur
              strideOf(phi_));
 
   return {y.squaredNorm(), largestMove(x_.head(n) - correction)};
+}
+
+/// With the landmarks' rows of the gain zero: P_vv and P_vl change as ever, P_ll does not, nor does
+/// anything that is passive but for its covariance with the vehicle, which is the vehicle's rows of
+/// phi. `whitened`, `Hphi`: as update() has them, times L^-1.
+void CompressedEkf::updateVehicle(const Linearised& whitened, const MatrixXd& Hphi) {
+  const auto m = static_cast<int>(Hphi.rows());
+  const int n = states(), nv = vehicle_states_;
+  const MatrixXd& HP = whitened.HP;
+  x_.head(nv) += HP.leftCols(nv).transpose() * whitened.whitened;
+  blas::gemm(true, false, n, nv, m, -1.0, HP.data(), m, HP.data(), m, P_.data(), strideOf(P_));
+  blas::gemm(true, false, nv, origin_states_, m, -1.0, HP.data(), m, Hphi.data(), m, phi_.data(),
+             strideOf(phi_));
 }
 
 std::vector<int> CompressedEkf::activeLandmarks() const {

@@ -80,6 +80,10 @@ class CompressedEkf {
   /// Joint covariance of landmarks in the order given, as of now.
   Eigen::MatrixXd jointCovariance(const std::vector<int>& slots) const;
 
+  /// Whether there is something in a slot.
+  bool holds(int slot) const {
+    return slot >= 0 && static_cast<std::size_t>(slot) < rows_.size() && rowOf(slot) != kFree;
+  }
   bool isActive(int slot) const { return rowOf(slot) >= 0; }
   std::size_t landmarkCount() const { return landmark_count_; }
   std::size_t activeCount() const { return active_slots_.size(); }
@@ -96,6 +100,12 @@ class CompressedEkf {
   /// Joint update with measurements whose landmarks are all active. Refused when an innovation is
   /// not finite or the innovation covariance not positive definite.
   UpdateOutcome update(const std::vector<SparseMeasurement>& measurements);
+
+  /// From now on, or no longer, updates change the vehicle's states alone. The landmarks' errors
+  /// are considered all the same, so that the vehicle's covariance stays true (Schmidt's filter: of
+  /// the optimal gain, the landmarks' rows are set to zero).
+  void fixLandmarks(bool fixed) { landmarks_fixed_ = fixed; }
+  bool areLandmarksFixed() const { return landmarks_fixed_; }
 
   /// The vehicle's and the active landmarks' states as the update would leave them, to linearise
   /// there; nothing if it would be refused.
@@ -189,6 +199,14 @@ class CompressedEkf {
   /// Keeps rounding and caller's angles in order: replaces a vehicle state by an equivalent value.
   void setVehicleState(int index, double value) { x_[index] = value; }
 
+  // --- Saving
+  // --------------------------------------------------------------------------------------
+  /// Waits for the worker, and otherwise changes nothing. A global update that is held stays held
+  /// here, and is released where it is restored.
+  void save(StateWriter& archive);
+  /// Into a filter of as many vehicle states. Throws InputError; the filter is then of no use.
+  void restore(StateReader& archive);
+
  private:
   static constexpr int kFirstLandmarkIndex = kMaxVehicleStates;
   static constexpr int kPassive = -1;
@@ -235,6 +253,12 @@ class CompressedEkf {
       const Eigen::Matrix<double, Eigen::Dynamic, 2>& W) const;
 
   IntervalEffect effectSoFar() const;
+  void updateVehicle(const Linearised& whitened, const Eigen::MatrixXd& Hphi);
+
+  template <class Archive>
+  void describeInterval(Archive& archive);
+  void checkRestored(StateReader& archive);
+  void checkOrigins(StateReader& archive, std::size_t stored) const;
 
   int vehicle_states_;
 
@@ -261,6 +285,7 @@ class CompressedEkf {
   std::vector<int> free_slots_;
   std::vector<int> retired_slots_;  ///< removed, but origin states until the global update
   std::size_t landmark_count_ = 0;
+  bool landmarks_fixed_ = false;
 };
 
 }  // namespace hymm::core

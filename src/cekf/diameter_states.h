@@ -13,6 +13,11 @@ struct DiameterState {
   int half = 0;
 
   bool exists() const { return slot != SparseMeasurement::kNone; }
+
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(slot, half);
+  }
 };
 
 /// What is known of a trunk's diameter before it is seen [m].
@@ -47,6 +52,11 @@ class DiameterStates {
   /// Takes from a sighting what it tells of the diameter itself, if that is worth having.
   static void observe(const Observation& sighting, const DiameterState& state,
                       CompressedEkf& filter);
+
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(open_, used_);
+  }
 
  private:
   static void update(const Observation& sighting, const DiameterState& state,

@@ -25,10 +25,20 @@ class GpsDatum {
 
   bool isAligned() const { return aligned_; }
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(aligned_, samples_);
+  }
+
  private:
   struct Sample {
-    Eigen::Vector2d antenna_map;
-    Eigen::Vector2d fix;
+    Eigen::Vector2d antenna_map = Eigen::Vector2d::Zero();
+    Eigen::Vector2d fix = Eigen::Vector2d::Zero();
+
+    template <class Archive>
+    void describeState(Archive& archive) {
+      archive(antenna_map, fix);
+    }
   };
 
   void collect(const GpsFix& fix, const CompressedEkf& filter);

@@ -19,6 +19,11 @@ struct IntervalEffect {
   Eigen::VectorXd x;  ///< of the active states, at the interval's end
   Eigen::MatrixXd P;  ///< of the active states, symmetric
   int size = 0;       ///< indices of all states are below
+
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(origins, active, phi, psi, theta, x, P, size);
+  }
 };
 
 /// A matrix F with F * F' = psi.

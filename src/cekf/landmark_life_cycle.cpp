@@ -393,6 +393,16 @@ LandmarkLifeCycle::Changes LandmarkLifeCycle::takeChanges() {
   return changes;
 }
 
+void LandmarkLifeCycle::beginSession(double later_s) {
+  tentative_.clear();
+  searched_s_ = -std::numeric_limits<double>::infinity();
+  if (later_s >= 0.0) return;
+  for (RegisteredLandmark& landmark : registry_.slots()) {
+    landmark.first_seen_s += later_s;
+    landmark.last_seen_s += later_s;
+  }
+}
+
 void LandmarkLifeCycle::clear() {
   for (const RegisteredLandmark& landmark : registry_.all()) removed_ids_.push_back(landmark.id);
   registry_.clear();

@@ -5,6 +5,7 @@
 #include <set>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "cekf/cekf_slam_config.h"
@@ -76,6 +77,9 @@ class LandmarkLifeCycle {
   /// No landmark gets an id below `next_id` from now on.
   void skipIds(int next_id) { next_id_ = std::max(next_id_, next_id); }
   int nextId() const { return next_id_; }
+  /// Another clock begins, `later_s` after the time reached so far: what was seen lies in the past
+  /// by it, whatever the clock says. Nothing is half seen.
+  void beginSession(double later_s);
 
   LandmarkRegistry& registry() { return registry_; }
   const LandmarkRegistry& registry() const { return registry_; }
@@ -89,6 +93,23 @@ class LandmarkLifeCycle {
   Changes takeChanges();
 
   const Counts& counts() const { return counts_; }
+
+  template <class Archive>
+  void describeState(Archive& archive) {
+    std::vector<std::pair<int, int>> merges;
+    for (const LandmarkMerge& merge : merges_) merges.emplace_back(merge.from_id, merge.into_id);
+    archive(registry_, diameters_, tentative_, searched_s_, merges, merges_taken_, changed_ids_,
+            removed_ids_, unconfirmed_ids_, told_pins_, pinned_ids_, distinct_from_, scan_number_,
+            next_id_);
+    if constexpr (Archive::kReads) {
+      merges_.clear();
+      for (const auto& [from, into] : merges) merges_.push_back({from, into});
+      archive.require(merges_taken_ <= merges_.size(), "it told of more merges than there were");
+      for (const int id : unconfirmed_ids_) {
+        archive.require(registry_.contains(id), "a landmark is to be confirmed that is not there");
+      }
+    }
+  }
 
  private:
   bool isFarFromOthers(const Eigen::Vector2d& position) const;

@@ -18,6 +18,12 @@ const std::unordered_set<int>& LandmarkPins::at(double time_s) {
   return now_;
 }
 
+void LandmarkPins::beginSession() {
+  if (later_.empty()) return;
+  now_ = std::move(later_.back().ids);
+  later_.clear();
+}
+
 void LandmarkPins::clear() {
   later_.clear();
   now_.clear();

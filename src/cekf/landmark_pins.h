@@ -19,12 +19,25 @@ class LandmarkPins {
   /// Those in force at a time. Times ascend.
   const std::unordered_set<int>& at(double time_s);
 
+  /// What was told last is in force at once: another clock begins.
+  void beginSession();
+
   void clear();
+
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(later_, now_);
+  }
 
  private:
   struct Told {
-    double from_s;
+    double from_s = 0.0;
     std::unordered_set<int> ids;
+
+    template <class Archive>
+    void describeState(Archive& archive) {
+      archive(from_s, ids);
+    }
   };
 
   double delay_s_;

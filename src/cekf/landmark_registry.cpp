@@ -50,6 +50,25 @@ void LandmarkRegistry::noteLargestDeviation() {
   }
 }
 
+bool LandmarkRegistry::findAgain() {
+  slot_of_id_.clear();
+  slot_of_identity_.clear();
+  index_.clear();
+  for (std::size_t slot = 0; slot < by_slot_.size(); ++slot) {
+    const RegisteredLandmark& landmark = by_slot_[slot];
+    if (landmark.id < 0) continue;
+    const bool is_new = landmark.slot == static_cast<int>(slot) && landmark.position.allFinite() &&
+                        slot_of_id_.emplace(landmark.id, landmark.slot).second;
+    if (!is_new) return false;
+    const bool has_identity = landmark.identity >= 0;
+    if (has_identity && !slot_of_identity_.emplace(landmark.identity, landmark.slot).second) {
+      return false;
+    }
+    index_.place(landmark.slot, landmark.position);
+  }
+  return true;
+}
+
 std::vector<int> LandmarkRegistry::slotsNear(const Eigen::Vector2d& centre, double radius_m) const {
   std::vector<int> slots = index_.near(centre, radius_m);
   const auto too_far = [&](int slot) {

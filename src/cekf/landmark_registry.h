@@ -30,6 +30,13 @@ struct RegisteredLandmark {
   double deviation_m = 0.0;  ///< bound of its deviation in the map; may lag behind the filter's
   /// Where Jacobians are taken, if not at the latest estimate; see relinearise().
   Eigen::Vector2d linearised_at = Eigen::Vector2d::Zero();
+
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(id, slot, identity, type, diameter_m, diameter_variance, diameter_state, observations,
+            first_seen_s, last_seen_s, farthest_seen_m, existence_log_odds, position, deviation_m,
+            linearised_at);
+  }
 };
 
 /// All landmarks of the map, found by id, slot, identity or place.
@@ -67,7 +74,18 @@ class LandmarkRegistry {
   std::vector<RegisteredLandmark> all() const;
   std::size_t size() const { return slot_of_id_.size(); }
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(by_slot_, largest_deviation_m_);
+    if constexpr (Archive::kReads) {
+      if (!findAgain()) archive.fail("two landmarks have one id, slot or identity");
+    }
+  }
+
  private:
+  /// Finds everything by what by_slot_ says; false if that is not one map.
+  bool findAgain();
+
   std::vector<RegisteredLandmark> by_slot_;
   std::unordered_map<int, int> slot_of_id_;
   std::unordered_map<int, int> slot_of_identity_;

@@ -64,6 +64,10 @@ class PassiveStore {
   using Job = std::function<void(const TiledSymmetricMatrix&, const Eigen::VectorXd&)>;
   void runJob(Job job);
 
+  /// Both wait for the worker; a held update is saved, and stays held.
+  void save(StateWriter& archive);
+  void restore(StateReader& archive);
+
   /// CPU time of updates and jobs [s].
   double workerCpu_s() const { return worker_.cpu_s(); }
 

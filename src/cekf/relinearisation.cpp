@@ -12,6 +12,7 @@ Vector2d turnedLeft(const Vector2d& v) { return {-v.y(), v.x()}; }
 }  // namespace
 
 void relinearise(RegisteredLandmark& landmark, const Vector2d& place, CompressedEkf& filter) {
+  if (filter.areLandmarksFixed()) return;
   filter.activate(landmark.slot);
   filter.addVehicleError(landmark.slot, turnedLeft(place - landmark.linearised_at), kYaw);
   landmark.linearised_at = place;

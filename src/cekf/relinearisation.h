@@ -15,7 +15,8 @@ namespace hymm::core {
 //   error' = error + J * (new place - old place) * error of the vehicle's yaw,
 // else information about the heading comes in. The invariant EKF does the same with each update.
 
-/// Takes a landmark's Jacobians at `place` [m, map] from now on. Makes it active.
+/// Takes a landmark's Jacobians at `place` [m, map] from now on, unless landmarks are fixed.
+/// Makes it active.
 void relinearise(RegisteredLandmark& landmark, const Eigen::Vector2d& place, CompressedEkf& filter);
 
 /// The same for the vehicle's position.

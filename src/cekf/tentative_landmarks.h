@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,15 +35,33 @@ class TentativeLandmarks {
   void clear() { candidates_.clear(); }
   std::size_t size() const { return candidates_.size(); }
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(candidates_);
+  }
+
  private:
   struct Sighting {
-    Eigen::Vector2d position;
-    long scan;
-    double time_s;
+    Eigen::Vector2d position = Eigen::Vector2d::Zero();
+    std::int64_t scan = 0;
+    double time_s = 0.0;
+
+    template <class Archive>
+    void describeState(Archive& archive) {
+      archive(position, scan, time_s);
+    }
   };
   struct Candidate {
-    LandmarkType type;
-    std::vector<Sighting> sightings;  ///< in order
+    LandmarkType type = LandmarkType::kUnknown;
+    std::vector<Sighting> sightings;  ///< in order; never empty
+
+    template <class Archive>
+    void describeState(Archive& archive) {
+      archive(type, sightings);
+      if constexpr (Archive::kReads) {
+        archive.require(!sightings.empty(), "a tentative landmark was never seen");
+      }
+    }
   };
 
   /// Forgets its first sightings until the rest are frequent enough up to scan number `scan`.

@@ -7,6 +7,9 @@
 
 namespace hymm::core {
 
+class StateReader;
+class StateWriter;
+
 /// A large symmetric matrix whose lower triangle is kept in square tiles, so that it grows without
 /// copying, costs half the memory of a full one, and is replaced tile by tile. Entries of a tile
 /// that was never written are zero.
@@ -47,6 +50,9 @@ class TiledSymmetricMatrix {
 
   /// Entries of rows [tile_row * kTileSize, (tile_row + 1) * kTileSize) in column `column`.
   void copyTileColumn(int tile_row, int column, double* destination) const;
+
+  void save(StateWriter& archive) const;
+  void restore(StateReader& archive);
 
  private:
   static std::size_t tileRowsFor(int size) {

@@ -11,6 +11,9 @@
 
 namespace hymm::core {
 
+class StateReader;
+class StateWriter;
+
 /// Systematic errors of the laser, as (yaw of its mounting [rad], by how much its ranges are too
 /// long [m], time of measuring after the stamp [s]).
 struct LaserCalibration {
@@ -63,8 +66,23 @@ class VehicleState {
   bool hasInput() const { return has_input_; }
   double time_s() const { return time_s_; }
   std::size_t gaps() const { return gaps_; }
+  /// How long an input holds [s].
+  double holdLimit_s() const { return hold_limit_s_; }
+
+  /// The next event's time is the present one: the vehicle has stood still since the last.
+  void restartClock() {
+    started_ = has_input_ = in_gap_ = false;
+    time_s_ = -std::numeric_limits<double>::infinity();
+  }
+
+  void save(StateWriter& archive);
+  /// Throws InputError if other quantities were estimated.
+  void restore(StateReader& archive);
 
  private:
+  template <class Archive>
+  void describeState(Archive& archive);
+
   /// Errors of the laser; the index is -1 for what is not estimated.
   struct LaserError {
     int index = -1;

@@ -10,6 +10,9 @@
 
 namespace hymm::core {
 
+class StateReader;
+class StateWriter;
+
 /// Memory that cells take.
 struct CellMemory {
   std::size_t unpacked_bytes = 0;
@@ -61,6 +64,10 @@ class CellStore {
   std::uint64_t lastRevision() const;
 
   void addMemory(CellMemory& sum) const;
+
+  /// What was compressed comes back compressed without loss.
+  void save(StateWriter& archive) const;
+  void restore(const LayerSet& layers, StateReader& archive);
 
  private:
   struct Layer {

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "common/error.h"
+#include "common/state_archive.h"
 #include "hybrid_map/input_check.h"
 #include "hybrid_map/layer_writer.h"
 #include "hybrid_map/scan_writer.h"
@@ -162,10 +163,56 @@ class HybridMap::Impl {
   std::uint64_t revision() const { return revision_; }
   void continueFrom(const Impl& before) {
     counts_ = before.counts_;
-    revision_ = before.revision_ + 1;
+    revision_ = std::max(revision_, before.revision_ + 1);
   }
 
+  std::string saveState() const {
+    StateWriter archive;
+    archive(std::string(kStateKind), kStateVersion, layerTexts(), config_.resolution_m,
+            config_.day_parts, landmarks_, partition_);
+    writer_.save(archive);
+    archive(traffic_, version_, revision_, vehicle_, packed_from_, packed_revision_);
+    return archive.takeBytes();
+  }
+
+  void restoreState(StateReader& archive) {
+    archive.require(archive.read<std::string>() == kStateKind, "it holds no dense map");
+    archive.requireSame(archive.read<std::uint32_t>() == kStateVersion,
+                        "it is of another version of hymm; load it with that.");
+    const auto layers = archive.read<std::vector<std::string>>();
+    archive.requireSame(layers == layerTexts(), "it has other layers (" + listOf(layers) +
+                                                    "); start hymm_grid with these.");
+    const auto resolution_m = archive.read<double>();
+    const auto day_parts = archive.read<int>();
+    archive.requireSame(resolution_m == config_.resolution_m && day_parts == config_.day_parts,
+                        "its resolution_m is " + std::to_string(resolution_m) +
+                            " and its day_parts are " + std::to_string(day_parts) +
+                            "; start hymm_grid with these.");
+    archive(landmarks_, partition_);
+    writer_.restore(partition_, archive);
+    archive(traffic_, version_, revision_, vehicle_, packed_from_, packed_revision_);
+    archive.requireEnd();
+  }
+
+  void belongTo(std::uint64_t landmark_version) { version_ = landmark_version; }
+
  private:
+  static constexpr const char* kStateKind = "hymm dense map";
+  static constexpr std::uint32_t kStateVersion = 1;
+
+  std::vector<std::string> layerTexts() const {
+    std::vector<std::string> texts;
+    for (int i = 0; i < layers_.count(); ++i) {
+      texts.push_back(layers_.name(i) + " " + layers_.modelText(i));
+    }
+    return texts;
+  }
+  static std::string listOf(const std::vector<std::string>& texts) {
+    std::string list;
+    for (const std::string& text : texts) list += (list.empty() ? "" : "; ") + text;
+    return list;
+  }
+
   static MapOutcome refuse(const std::string& reason, std::size_t& count) {
     ++count;
     MapOutcome outcome;
@@ -305,6 +352,23 @@ void HybridMap::reset() {
   auto fresh = std::make_unique<Impl>(impl_->config());
   fresh->continueFrom(*impl_);
   impl_ = std::move(fresh);
+}
+
+std::string HybridMap::saveState() const { return impl_->saveState(); }
+
+void HybridMap::checkState(std::string_view bytes, const std::string& name) const {
+  StateReader archive(bytes, name);
+  Impl(impl_->config()).restoreState(archive);
+}
+
+void HybridMap::loadState(std::string_view bytes, const std::string& name,
+                          std::uint64_t landmark_version) {
+  StateReader archive(bytes, name);
+  auto loaded = std::make_unique<Impl>(impl_->config());
+  loaded->restoreState(archive);
+  loaded->belongTo(landmark_version);
+  loaded->continueFrom(*impl_);
+  impl_ = std::move(loaded);
 }
 
 std::uint64_t HybridMap::landmarkVersion() const { return impl_->version(); }

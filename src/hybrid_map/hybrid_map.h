@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -134,6 +135,15 @@ class HybridMap {
   /// not written for longest are emptied, and counted.
   CellMemory ltrMemory() const;
   CellMemory waitingMemory() const;
+
+  /// The whole map as bytes: LTRs with all layers, and what waits for one.
+  std::string saveState() const;
+  /// The map that saveState() gave, in the place of the present one; its landmarks are those of
+  /// `landmark_version`. `name` leads the sentences of what is thrown: InputError, and nothing
+  /// changed, if the bytes are damaged or do not suit the configuration.
+  void loadState(std::string_view bytes, const std::string& name, std::uint64_t landmark_version);
+  /// Throws what loadState() would.
+  void checkState(std::string_view bytes, const std::string& name) const;
 
   const LtrPartition& partition() const;
   const WaitingTiles& waiting() const;

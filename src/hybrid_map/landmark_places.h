@@ -27,6 +27,11 @@ class LandmarkPlaces {
   std::pair<int, int> nearestTwo(const Eigen::Vector2d& place, double range_m,
                                  double separation_m) const;
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(places_, merged_into_);
+  }
+
  private:
   int nearest(const Eigen::Vector2d& place, double range_m, int apart_from,
               double separation_m) const;

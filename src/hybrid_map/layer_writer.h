@@ -41,6 +41,10 @@ class LayerWriter {
   const LayerSet& layers() const { return layers_; }
   std::uint64_t revision() const { return revision_; }
 
+  void save(StateWriter& archive) const;
+  /// `partition`: of the same map.
+  void restore(const LtrPartition& partition, StateReader& archive);
+
   double evidence(int layer) const;
   CellMemory memory() const;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "hybrid_map/cell_shares.h"
@@ -12,7 +13,9 @@ namespace hymm::core {
 /// The cells of an LTR in all layers.
 struct LtrCells {
   LtrCells(const LayerSet& layers, const Triangle& triangle, double resolution_m)
-      : grid(triangle, resolution_m), store(layers, grid.cellCount()) {}
+      : LtrCells(layers, TriangularGrid(triangle, resolution_m)) {}
+  LtrCells(const LayerSet& layers, TriangularGrid cells)
+      : grid(std::move(cells)), store(layers, grid.cellCount()) {}
 
   TriangularGrid grid;
   CellStore store;

@@ -51,10 +51,22 @@ class LtrIndex {
     traverseCells(from * cells_per_m_, to * cells_per_m_, visitCell);
   }
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(content_, cells_);
+  }
+  /// Whether all LTRs in it have numbers below `end`, and are as many at most.
+  bool isBelow(int end) const;
+
  private:
   /// A rectangle of cells, ends included; empty by default.
   struct Cells {
     std::int32_t x0 = 0, y0 = 0, x1 = -1, y1 = -1;
+
+    template <class Archive>
+    void describeState(Archive& archive) {
+      archive(x0, y0, x1, y1);
+    }
     bool operator==(const Cells& o) const {
       return x0 == o.x0 && y0 == o.y0 && x1 == o.x1 && y1 == o.y1;
     }

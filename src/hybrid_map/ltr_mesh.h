@@ -26,6 +26,11 @@ struct Ltr {
   Eigen::Matrix2d created_inverse =
       Eigen::Matrix2d::Zero();  ///< of the edges (2) when it was made, 1/m
   double observations = 0.0;    ///< evidence written so far
+
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(is_alive, is_on_rim, vertices, neighbours, triangle, created_inverse, observations);
+  }
 };
 
 /// A landmark that spans LTRs.
@@ -34,6 +39,11 @@ struct MeshVertex {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< in map, m
   std::vector<int> ltrs;                               ///< that it spans
   bool is_on_rim = true;
+
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(landmark_id, position, ltrs, is_on_rim);
+  }
 };
 
 /// Triangles over vertices with their adjacency and places: two LTRs share a whole side, a vertex,
@@ -89,7 +99,19 @@ class LtrMesh {
 
   const LtrIndex& index() const { return index_; }
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(ltrs_, vertices_, free_vertices_, vertex_of_landmark_, ltr_of_side_, index_);
+    if constexpr (Archive::kReads) {
+      archive.require(countAlive() && index_.isBelow(ltrEnd()),
+                      "its triangles contradict each other");
+    }
+  }
+
  private:
+  /// Counts the LTRs; false if one of them, or a vertex, refers to what is not there.
+  bool countAlive();
+
   static std::uint64_t sideKey(int from, int to) {
     return static_cast<std::uint64_t>(from) << 32U | static_cast<std::uint32_t>(to);
   }

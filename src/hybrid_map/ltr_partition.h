@@ -58,7 +58,21 @@ class LtrPartition {
 
   const LtrMesh& mesh() const { return mesh_; }
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(mesh_, touched_, is_touched_, overlap_suspects_, gone_, epoch_, seen_epoch_,
+            tried_observations_);
+    if constexpr (Archive::kReads) {
+      const bool fits = touched_.empty() && isBelow(overlap_suspects_, mesh_.ltrEnd()) &&
+                        is_touched_.size() <= std::size_t(mesh_.ltrEnd()) &&
+                        seen_epoch_.size() <= std::size_t(mesh_.vertexEnd());
+      archive.require(fits, "its triangles are fewer than it tells of");
+    }
+  }
+
  private:
+  static bool isBelow(const std::vector<int>& ltrs, int end);
+
   void mergeVertices(const std::vector<LandmarkMerge>& merges,
                      const std::vector<LandmarkEstimate>& landmarks, PartitionChange& change);
   void moveVertices(const std::vector<LandmarkEstimate>& landmarks);

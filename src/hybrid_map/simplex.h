@@ -48,6 +48,11 @@ class Simplex {
     }
   }
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(origin_, edges_, inverse_);
+  }
+
   const Point& origin() const { return origin_; }
   const Edges& edges() const { return edges_; }
   const EdgesInverse& edgesInverse() const { return inverse_; }

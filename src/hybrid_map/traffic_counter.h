@@ -53,6 +53,11 @@ class TrafficCounter {
 
   double square_m() const { return config_.square_m; }
 
+  template <class Archive>
+  void describeState(Archive& archive) {
+    archive(squares_, period_start_s_);
+  }
+
  private:
   using Square = std::pair<int, int>;
 

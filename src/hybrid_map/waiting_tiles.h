@@ -109,6 +109,9 @@ class WaitingTiles {
     }
   }
 
+  void save(StateWriter& archive) const;
+  void restore(StateReader& archive);
+
   /// Evidence of a layer in all tiles.
   double evidence(int layer) const;
 

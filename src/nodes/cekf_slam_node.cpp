@@ -46,6 +46,7 @@ CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
                            const core::VehicleDescription& vehicle,
                            const core::PointCloudConfig& point_clouds)
     : map_frame_(vehicle.config.map_frame),
+      settings_(core::settingsOf(config)),
       tf_listener_(tf_),
       filter_(config, vehicle.config, core::CekfSlam::GlobalUpdates::kBackground),
       merger_(config.merger),
@@ -63,6 +64,7 @@ CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
   pause_service_ = handle_.advertiseService("pause", &CekfSlamNode::pause, this);
   reset_service_ = handle_.advertiseService("reset", &CekfSlamNode::reset, this);
   advertisePatiently();
+  advertiseStorage();
   patient_spinner_.start();
   diagnostics_.setHardwareID("none");
   diagnostics_.add("inputs", this, &CekfSlamNode::diagnoseInputs);

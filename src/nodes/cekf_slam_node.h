@@ -6,10 +6,12 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <hymm/GetJointCovariance.h>
+#include <hymm/LoadState.h>
 #include <hymm/LtrMap.h>
 #include <hymm/Pause.h>
 #include <hymm/Reset.h>
 #include <hymm/Resume.h>
+#include <hymm/SaveState.h>
 #include <hymm/Suspend.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -26,6 +28,7 @@
 #include "ros/scan_headers.h"
 #include "ros/sensor_inputs.h"
 #include "ros/sensor_queue.h"
+#include "storage/saved_settings.h"
 
 namespace hymm {
 
@@ -57,11 +60,16 @@ class CekfSlamNode {
                           GetJointCovariance::Response& response);
   bool suspend(Suspend::Request& request, Suspend::Response& response);
   bool resume(Resume::Request& request, Resume::Response& response);
+  void advertiseStorage();
+  bool saveState(SaveState::Request& request, SaveState::Response& response);
+  bool loadState(LoadState::Request& request, LoadState::Response& response);
+  void install(const std::string& state, const std::string& name, bool localise_only);
   void diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle handle_;
   std::string map_frame_;
+  core::SavedSettings settings_;
   CauseLog causes_;
   tf2_ros::Buffer tf_;
   tf2_ros::TransformListener tf_listener_;
@@ -85,6 +93,7 @@ class CekfSlamNode {
   ros::ServiceServer pause_service_, reset_service_;
   ros::CallbackQueue patient_calls_;  ///< services that may wait long, apart from the messages
   std::vector<ros::ServiceServer> patient_services_;
+  std::vector<ros::ServiceServer> storage_services_;
   ros::AsyncSpinner patient_spinner_{1, &patient_calls_};
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer diagnostics_timer_;

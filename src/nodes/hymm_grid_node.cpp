@@ -112,6 +112,10 @@ void HymmGridNode::work() {
 
 void HymmGridNode::workOn() {
   while (working_) {
+    if (isHeld()) {
+      std::this_thread::sleep_for(kPatience);
+      continue;
+    }
     const std::optional<PairedScan> paired = waitForScan();
     const std::lock_guard<std::mutex> lock(mutex_);
     if (paired) process(*paired);
@@ -138,6 +142,7 @@ void HymmGridNode::pairClouds() {
 }
 
 void HymmGridNode::process(const PairedScan& paired) {
+  if (isOfMapBefore(paired)) return;
   core::MappedScan step;
   step.update = fromMessage(*paired.update);
   step.pose.map_version = step.update.version;

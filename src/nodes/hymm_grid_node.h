@@ -10,10 +10,12 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <hymm/ExportMap.h>
+#include <hymm/LoadState.h>
 #include <hymm/MatchScan.h>
 #include <hymm/Pause.h>
 #include <hymm/QueryProperty.h>
 #include <hymm/Reset.h>
+#include <hymm/SaveState.h>
 #include <nav_msgs/GetMap.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -72,6 +74,13 @@ class HymmGridNode {
   bool matchScan(MatchScan::Request& request, MatchScan::Response& response);
   bool pause(Pause::Request& request, Pause::Response& response);
   bool reset(Reset::Request& request, Reset::Response& response);
+  bool saveState(SaveState::Request& request, SaveState::Response& response);
+  void writeState(const SaveState::Request& request, SaveState::Response& response);
+  bool isHeld();
+  bool loadState(LoadState::Request& request, LoadState::Response& response);
+  void install(const std::string& state, const std::string& name,
+               const LoadState::Request& request);
+  bool isOfMapBefore(const PairedScan& paired);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   core::HymmGridConfig config_;
@@ -92,6 +101,10 @@ class HymmGridNode {
   SamplePlacer sample_placer_;
   core::StampSchedule status_due_{1.0}, log_due_{core::kMemoryLogPeriod_s};
   std::optional<std::uint64_t> filter_resets_;
+  std::optional<std::uint64_t> awaited_resets_;  ///< of the filter, since a map was loaded
+  double awaited_until_s_ = 0.0;                 ///< by the wall
+  std::uint64_t held_version_ = 0;  ///< while a map is saved: of the landmarks, to stop at
+  double held_until_s_ = 0.0;       ///< by the wall
   std::optional<core::LaserScan> last_scan_;
   core::PoseEstimate last_pose_;
   ros::Time stamp_;  ///< of the last scan

@@ -48,7 +48,9 @@ void HymmGridNode::advertiseServices() {
       advertise<ExportMap>(handle_, "export_map", &HymmGridNode::exportMap, this, calls_),
       advertise<MatchScan>(handle_, "match_scan", &HymmGridNode::matchScan, this, calls_),
       advertise<Pause>(private_handle_, "pause", &HymmGridNode::pause, this, calls_),
-      advertise<Reset>(private_handle_, "reset", &HymmGridNode::reset, this, calls_)};
+      advertise<Reset>(private_handle_, "reset", &HymmGridNode::reset, this, calls_),
+      advertise<SaveState>(private_handle_, "save_state", &HymmGridNode::saveState, this, calls_),
+      advertise<LoadState>(private_handle_, "load_state", &HymmGridNode::loadState, this, calls_)};
 }
 
 bool HymmGridNode::getMap(nav_msgs::GetMap::Request&, nav_msgs::GetMap::Response& response) {

@@ -1,3 +1,4 @@
+#include "nodes/map_storage.h"
 #include "nodes/supervisor_node.h"
 #include "ros/node_main.h"
 #include "ros/parameters.h"
@@ -11,6 +12,7 @@ int main(int argc, char** argv) {
     const hymm::core::VehicleDescription vehicle = hymm::readVehicle(private_handle, report);
     hymm::tellOrThrow(report);
     const hymm::SupervisorNode node(config, vehicle.config);
+    const hymm::MapStorage storage;
     ros::spin();
   });
 }

@@ -9,6 +9,12 @@
 #include "common/cpu_timer.h"
 
 namespace hymm::core {
+namespace {
+
+constexpr const char* kOnlyForLocalising =
+    "the map was loaded only for localising, and is not extended";
+
+}  // namespace
 
 PosedScan posedScan(const LaserScan& scan, const PoseEstimate& pose, double min_range_m) {
   PosedScan posed;
@@ -53,7 +59,7 @@ MappedOutcome GridMapper::process(const MappedScan& step) {
     if (agreement_due_.takeIfDue(step.pose.time_s)) {
       outcome.agreement = matcher_.agreement(map_, posed.scan, posed.T_map_laser);
     }
-    const MapOutcome scan = map_.insert(posed);
+    const MapOutcome scan = insert(posed);
     outcome.written = scan.accepted;
     outcome.reason = scan.reason;
     if (!scan.accepted) ++counts_.not_written;
@@ -62,19 +68,40 @@ MappedOutcome GridMapper::process(const MappedScan& step) {
 }
 
 MapOutcome GridMapper::follow(const MappedScan& step) {
-  if (!step.map) return map_.apply(step.update);
-  landmarks_ = step.map;
-  return map_.apply(*step.map);
+  if (step.map) landmarks_ = step.map;
+  if (use_ == MapUse::kLocalise) return followVersion(step.update.version);
+  return step.map ? map_.apply(*step.map) : map_.apply(step.update);
+}
+
+/// While landmarks are fixed, nothing but the version changes.
+MapOutcome GridMapper::followVersion(std::uint64_t version) {
+  LandmarkUpdate nothing;
+  nothing.since_version = map_.landmarkVersion();
+  nothing.version = version;
+  return map_.apply(nothing);
+}
+
+MapOutcome GridMapper::insert(const PosedScan& scan) {
+  return use_ == MapUse::kExtend ? map_.insert(scan) : MapOutcome{false, kOnlyForLocalising, {}};
 }
 
 MapOutcome GridMapper::insert(const PropertySample& sample) {
   const CpuTimer timer(cpu_s_);
+  if (use_ == MapUse::kLocalise) return {false, kOnlyForLocalising, {}};
   return map_.insert(sample);
 }
 
 void GridMapper::reset() {
   map_.reset();
   landmarks_.reset();
+  use_ = MapUse::kExtend;
+}
+
+void GridMapper::loadState(std::string_view bytes, const std::string& name,
+                           std::uint64_t landmark_version, MapUse use) {
+  map_.loadState(bytes, name, landmark_version);
+  landmarks_.reset();
+  use_ = use;
 }
 
 std::vector<LtrTopology> GridMapper::topology() const {

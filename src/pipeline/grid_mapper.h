@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "cekf/cekf_slam.h"
 #include "common/stamp_schedule.h"
@@ -54,6 +55,15 @@ class GridMapper {
   /// The filter began a new map.
   void reset();
 
+  /// See HybridMap. A map that is only for localising keeps its LTRs and cells as they are, until
+  /// reset().
+  std::string saveState() const { return map_.saveState(); }
+  void checkState(std::string_view bytes, const std::string& name) const {
+    map_.checkState(bytes, name);
+  }
+  void loadState(std::string_view bytes, const std::string& name, std::uint64_t landmark_version,
+                 MapUse use);
+
   const HybridMap& map() const { return map_; }
   const ScanMatcher& matcher() const { return matcher_; }
   /// A scan as it would be written from a pose.
@@ -66,12 +76,15 @@ class GridMapper {
 
  private:
   MapOutcome follow(const MappedScan& step);
+  MapOutcome followVersion(std::uint64_t version);
+  MapOutcome insert(const PosedScan& scan);
 
   HybridMap map_;
   ScanMatcher matcher_;
   double min_range_m_;
   StampSchedule agreement_due_{1.0};
   std::shared_ptr<const LandmarkMap> landmarks_;
+  MapUse use_ = MapUse::kExtend;
   Counts counts_;
   double cpu_s_ = 0.0;
 };

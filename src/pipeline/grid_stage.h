@@ -13,10 +13,19 @@ class GridStage : public SuiteStage {
   static constexpr const char* kName = "hymm_grid";
 
   /// Throws ConfigError if the configuration is unusable.
-  explicit GridStage(const HymmGridConfig& config) : mapper_(config), image_(config.image) {}
+  explicit GridStage(const HymmGridConfig& config)
+      : settings_(settingsOf(config)), mapper_(config), image_(config.image) {}
 
   void takeScan(const ScanStep& step, CekfSlam& filter) override;
   void reset(double time_s) override;
+  std::optional<NamedPart> savedPart() const override {
+    return NamedPart{partName(), {settings_, mapper_.saveState()}};
+  }
+  std::string partName() const override { return MapPart::kDenseMap; }
+  void load(const NamedPart& part, std::uint64_t landmark_version, MapUse use) override {
+    mapper_.loadState(part.part.state, part.name, landmark_version, use);
+  }
+  SavedSettings settings() const override { return settings_; }
   void addTo(RunTotals& totals) const override;
   std::map<std::string, std::size_t> incidents() const override;
   void write(const std::filesystem::path& folder) override;
@@ -26,6 +35,7 @@ class GridStage : public SuiteStage {
   const std::optional<ScanAgreement>& agreement() const { return agreement_; }
 
  private:
+  SavedSettings settings_;
   GridMapper mapper_;
   std::optional<ScanAgreement> agreement_;
   MapImage image_;  ///< drawn at the end

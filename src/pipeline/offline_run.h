@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,13 @@ class OfflineRun {
   /// unusable. `results` outlives the run.
   OfflineRun(const SuiteConfig& config, const std::vector<std::string>& nodes,
              ResultsWriter& results);
+
+  /// Begins with a saved map, before the first event; `pose`: where the vehicle is in it, if not
+  /// where it was when the map was saved. Returns sentences worth telling. Throws InputError.
+  std::vector<std::string> loadMap(const std::string& folder, MapUse use,
+                                   const std::optional<Pose2>& pose);
+  /// Saves the map that the run ended with. Throws OutputError.
+  void saveMap(const std::string& folder);
 
   /// Logs each observation as well; `log` outlives the run.
   void logObservations(ObservationLog& log) { log_ = &log; }

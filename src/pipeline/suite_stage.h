@@ -4,12 +4,14 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "cekf/cekf_slam.h"
 #include "cekf/landmark_map.h"
 #include "pipeline/results_writer.h"
 #include "pipeline/sensor_event.h"
+#include "storage/map_folder.h"
 
 namespace hymm::core {
 
@@ -34,6 +36,19 @@ class SuiteStage {
   virtual void takeScan(const ScanStep& step, CekfSlam& filter) = 0;
   /// The filter began a new map.
   virtual void reset(double time_s) = 0;
+
+  /// The engine's part of a saved map, all of the version that the filter's landmarks have; nothing
+  /// if it owns none.
+  struct NamedPart {
+    std::string name;
+    MapPart part;
+  };
+  virtual std::optional<NamedPart> savedPart() const { return std::nullopt; }
+  /// The name of that part; empty if there is none.
+  virtual std::string partName() const { return {}; }
+  /// That part again, its landmarks being of `landmark_version` now. Throws InputError.
+  virtual void load(const NamedPart&, std::uint64_t /*landmark_version*/, MapUse) {}
+  virtual SavedSettings settings() const { return {}; }
 
   /// Adds its CPU time under its node's name, and whatever figures it owns.
   virtual void addTo(RunTotals& totals) const = 0;

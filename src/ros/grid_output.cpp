@@ -124,6 +124,11 @@ void GridOutput::reset() {
   map_sent_s_ = 0.0;
 }
 
+void GridOutput::resetToLoaded() {
+  reset();
+  sent_revision_ = 0;
+}
+
 void GridOutput::serveGrids(const ros::SingleSubscriberPublisher& subscriber) {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (const core::ChangedLayer& layer : mapper_.map().changedSince(0)) {

@@ -38,6 +38,8 @@ class GridOutput {
   void publishStatus(GridStatus status, const ros::Time& stamp);
   /// An empty map, at another recording.
   void reset();
+  /// A map that was loaded: all of it has changed.
+  void resetToLoaded();
 
   /// The map as it is now.
   nav_msgs::OccupancyGrid currentMap();

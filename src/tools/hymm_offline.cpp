@@ -31,6 +31,9 @@ struct Options {
   bool observations = false;
   std::vector<std::string> only;
   std::vector<std::string> topics;
+  std::string load, save;
+  bool localise_only = false;
+  std::vector<double> start;  // x, y, yaw
 };
 
 void describe(CLI::App& app, Options& options) {
@@ -52,6 +55,15 @@ void describe(CLI::App& app, Options& options) {
                  "subsystems to run, by their nodes' names, comma-separated; all if not given: " +
                      core::listOf(core::nodeNames()))
       ->delimiter(',');
+  auto* load = app.add_option("--load", options.load, "folder of a saved map to begin with");
+  app.add_flag("--localise-only", options.localise_only,
+               "leave that map as it is, and estimate the vehicle alone")
+      ->needs(load);
+  app.add_option("--start", options.start,
+                 "where base_link is in that map (m, m, rad); else where it was at the end")
+      ->expected(3)
+      ->needs(load);
+  app.add_option("--save", options.save, "folder to save the map in that the run ends with");
   app.add_option("--topic", options.topics, "another name of a topic, as scan:=/front/scan");
 }
 
@@ -76,6 +88,15 @@ std::vector<std::string> run(const Options& options, const core::SuiteConfig& co
                       offline, progress);
 }
 
+std::vector<std::string> loadMap(const Options& options, core::OfflineRun& offline) {
+  if (options.load.empty()) return {};
+  std::optional<core::Pose2> start;
+  if (!options.start.empty())
+    start = core::Pose2{options.start[0], options.start[1], options.start[2]};
+  const auto use = options.localise_only ? core::MapUse::kLocalise : core::MapUse::kExtend;
+  return offline.loadMap(options.load, use, start);
+}
+
 void runOffline(const Options& options) {
   const auto start = std::chrono::steady_clock::now();
   const std::vector<std::string> nodes = core::chosenNodes(options.only);
@@ -84,11 +105,14 @@ void runOffline(const Options& options) {
   core::OfflineRun offline(config, nodes, results);
   std::optional<core::ObservationLog> log;
   if (options.observations) offline.logObservations(log.emplace(options.output));
-  const std::vector<std::string> notes = run(options, config, offline);
+  std::vector<std::string> notes = loadMap(options, offline);
+  const std::vector<std::string> run_notes = run(options, config, offline);
+  notes.insert(notes.end(), run_notes.begin(), run_notes.end());
   for (const std::string& note : notes) std::cerr << note << '\n';
   if (offline.scans() == 0) throw core::InputError("No scan could be used; nothing was estimated.");
 
   if (log) log->finish();
+  if (!options.save.empty()) offline.saveMap(options.save);
   offline.writeFiles(options.output);
   core::RunTotals totals = offline.totals();
   totals.notes = notes;
