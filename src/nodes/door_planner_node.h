@@ -76,6 +76,8 @@ class DoorPlannerNode {
   bool isOurFrame(const std::string& frame, const std::string& topic);
   void follow(const core::LandmarkMap& map);
   void keep(const Wish& wish, const core::Plan& plan);
+  /// Lets the worker look whether the plan kept is blocked: the map may have changed meanwhile.
+  void watch();
   void publishLive(LivePlan& live);
   void work();
   void replanIfBlocked();

@@ -105,6 +105,13 @@ void DoorPlannerNode::takeGoal(const geometry_msgs::PoseStamped& message) {
   wish.goal = placeOf(message.pose.position);
   wish.goal_heading = headingOf(message.pose.orientation);
   keep(wish, plan(wish));
+  watch();
+}
+
+void DoorPlannerNode::watch() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  has_news_ = true;
+  changed_.notify_all();
 }
 
 bool DoorPlannerNode::planPath(PlanPath::Request& request, PlanPath::Response& response) {
@@ -159,6 +166,7 @@ void DoorPlannerNode::executeAction(const PlanPathGoalConstPtr& goal) {
     return;
   }
   keep(wish, answer);
+  watch();
   if (answer.ok()) {
     action_->setSucceeded(result, answer.sentence);
   } else {

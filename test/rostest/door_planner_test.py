@@ -174,6 +174,10 @@ class DoorPlannerTest(unittest.TestCase):
             # New weights each time: all costs are computed anew, so that some cancels come in time.
             client.send_goal(PlanPathGoal(start=Point(3.0, 4.0, 0.0), goal=Point(30.0, 6.0, 0.0),
                                           weights=f"distance {k + 1}"))
+            # Goal and cancel come by different topics: a cancel that overtakes its goal is lost.
+            deadline = time.time() + WAIT_S
+            while client.get_state() == GoalStatus.PENDING and time.time() < deadline:
+                time.sleep(0.001)
             client.cancel_goal()
             self.assertTrue(client.wait_for_result(rospy.Duration(WAIT_S)))
             self.assertIn(client.get_state(), (GoalStatus.PREEMPTED, GoalStatus.RECALLED, GoalStatus.SUCCEEDED))
