@@ -117,6 +117,7 @@ class RelocaliserTest(unittest.TestCase):
             if condition():
                 return
             self.robot.step()
+            time.sleep(0.07)  # as fast as it drives: a search has to keep up with scans
         self.fail(f"drove in vain for {what}: {self.statuses[-1].reason!r}; "
                   f"{self.healths[-1].state} {self.healths[-1].reason!r}")
 
