@@ -46,6 +46,11 @@ Transition fromCekf(const SupervisorState& state, const SupervisorEvidence& evid
     return stay(FilterMode::kCekf, "The CEKF is in charge, though suspicious. " + told +
                                        " No relocaliser runs that could find the place.");
   }
+  if (!config.switching.automatic) {
+    return stay(FilterMode::kCekf, "The CEKF is in charge, though suspicious. " + told +
+                                       " The relocaliser takes over by order only "
+                                       "(switching/automatic).");
+  }
   if (evidence.time_s < state.not_before_s) {
     return stay(FilterMode::kCekf,
                 "The CEKF is in charge, though suspicious. " + told +
@@ -227,6 +232,10 @@ void SupervisorConfig::describe(ConfigSchema& schema) {
 }
 
 void SwitchingConfig::describe(ConfigSchema& schema) {
+  schema.flag(
+      "automatic", automatic,
+      "the relocaliser takes over when the CEKF is suspicious; else only by order (set_mode, "
+      "global_localization, initialpose), and suspicion is only told");
   schema.integer("suspicious_scans", suspicious_scans, Range::between(1, 10000),
                  "suspicious scans in a row after which the relocaliser takes over");
   schema.integer("armed_suspicious_scans", armed_suspicious_scans, Range::between(1, 10000),

@@ -19,6 +19,7 @@ std::string nameOf(FilterMode mode);
 
 /// How long doubt has to last, and how often the relocaliser is asked.
 struct SwitchingConfig {
+  bool automatic = false;              ///< else only by order; doubt is told either way
   int suspicious_scans = 10;           ///< in a row that switch
   int armed_suspicious_scans = 3;      ///< the same while the deviation is large
   double relocalise_timeout_s = 30.0;  ///< longest attempt

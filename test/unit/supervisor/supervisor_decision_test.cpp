@@ -37,6 +37,12 @@ SupervisorEvidence healthy() {
   return evidence;
 }
 
+SupervisorConfig automatic() {
+  SupervisorConfig config;
+  config.switching.automatic = true;
+  return config;
+}
+
 SupervisorEvidence ambiguous() {
   SupervisorEvidence evidence = healthy();
   evidence.scan.ambiguity = 0.9;
@@ -53,7 +59,7 @@ SupervisorEvidence withRelocaliser(SupervisorEvidence evidence, Search state = S
 
 /// The state after `scans` scans of the same kind.
 SupervisorDecision afterScans(SupervisorState state, SupervisorEvidence evidence, int scans,
-                              const SupervisorConfig& config = {}) {
+                              const SupervisorConfig& config = automatic()) {
   SupervisorDecision decision;
   decision.state = state;
   for (int i = 0; i < scans; ++i) {
@@ -156,6 +162,17 @@ TEST(Suspicion, DoesNotFallOnExploring) {
   EXPECT_THAT(findSuspicion(scan, {}), HasSubstr("old landmarks"));
 }
 
+TEST(SupervisorDecision, OnlyTellsOfSuspicionUnlessItMaySwitch) {
+  SupervisorState state = stateIn(FilterMode::kCekf);
+  SupervisorDecision decision;
+  for (int i = 0; i < 50; ++i) {
+    decision = computeDecision(state, withRelocaliser(ambiguous()), {});
+    state = decision.state;
+  }
+  EXPECT_EQ(decision.mode, FilterMode::kCekf);
+  EXPECT_THAT(decision.reason, AllOf(HasSubstr("ambiguous"), HasSubstr("by order only")));
+}
+
 TEST(Suspicion, NeverFallsOnALargeDeviationAlone) {
   ScanEvidence scan = healthy().scan;
   scan.position_deviation_m = 50.0;
@@ -165,7 +182,7 @@ TEST(Suspicion, NeverFallsOnALargeDeviationAlone) {
 }
 
 TEST(SupervisorDecision, SwitchesOnlyAfterSuspicionHasLasted) {
-  const SupervisorConfig config;
+  const SupervisorConfig config = automatic();
   const SupervisorEvidence evidence = withRelocaliser(ambiguous());
   const int needed = config.switching.suspicious_scans;
   EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence, needed - 1).mode, FilterMode::kCekf);
@@ -177,7 +194,7 @@ TEST(SupervisorDecision, SwitchesOnlyAfterSuspicionHasLasted) {
 }
 
 TEST(SupervisorDecision, SwitchesSoonerWhereTheDeviationIsLarge) {
-  const SupervisorConfig config;
+  const SupervisorConfig config = automatic();
   SupervisorEvidence evidence = withRelocaliser(ambiguous());
   evidence.scan.position_deviation_m = 3.0;
   EXPECT_EQ(
@@ -190,7 +207,7 @@ TEST(SupervisorDecision, SwitchesSoonerWhereTheDeviationIsLarge) {
 }
 
 TEST(SupervisorDecision, OneGoodScanEndsTheDoubt) {
-  const SupervisorConfig config;
+  const SupervisorConfig config = automatic();
   const SupervisorDecision nearly =
       afterScans(stateIn(FilterMode::kCekf), withRelocaliser(ambiguous()),
                  config.switching.suspicious_scans - 1);
@@ -237,7 +254,7 @@ TEST(SupervisorDecision, IsLostAtOnceWhereTheRelocaliserCannotBegin) {
 }
 
 TEST(SupervisorDecision, BeginsFromTheLastScanInGoodOrder) {
-  const SupervisorConfig config;
+  const SupervisorConfig config = automatic();
   SupervisorEvidence evidence = withRelocaliser(healthy());
   const SupervisorDecision good = computeDecision(stateIn(FilterMode::kCekf), evidence, config);
   evidence = withRelocaliser(ambiguous());
@@ -254,7 +271,7 @@ TEST(SupervisorDecision, BeginsFromTheLastScanInGoodOrder) {
 }
 
 TEST(SupervisorDecision, IsLostWhenTheRelocaliserFindsNothingInTime) {
-  const SupervisorConfig config;
+  const SupervisorConfig config = automatic();
   SupervisorState state = stateIn(FilterMode::kRelocalising, 1);
   state.since_s = kNow_s - config.switching.relocalise_timeout_s - 0.1;
   const SupervisorDecision decision = computeDecision(state, withRelocaliser(healthy()), config);
@@ -263,7 +280,7 @@ TEST(SupervisorDecision, IsLostWhenTheRelocaliserFindsNothingInTime) {
 }
 
 TEST(SupervisorDecision, TriesAgainAfterAWhileAndNotForEver) {
-  const SupervisorConfig config;
+  const SupervisorConfig config = automatic();
   SupervisorState state = stateIn(FilterMode::kLost, 1);
   state.not_before_s = kNow_s + 1.0;
   EXPECT_EQ(computeDecision(state, withRelocaliser(healthy()), config).mode, FilterMode::kLost);
@@ -279,7 +296,7 @@ TEST(SupervisorDecision, TriesAgainAfterAWhileAndNotForEver) {
 }
 
 TEST(SupervisorDecision, RestsAfterTheCekfTookOverAgain) {
-  const SupervisorConfig config;
+  const SupervisorConfig config = automatic();
   SupervisorState state = stateIn(FilterMode::kLost, config.switching.max_attempts);
   const SupervisorDecision back = computeDecision(state, withRelocaliser(healthy()), config);
   SupervisorEvidence evidence = withRelocaliser(ambiguous());
@@ -291,7 +308,7 @@ TEST(SupervisorDecision, RestsAfterTheCekfTookOverAgain) {
 }
 
 TEST(SupervisorDecision, FallsBackWhenTheRelocaliserDiesInCharge) {
-  const SupervisorConfig config;
+  const SupervisorConfig config = automatic();
   SupervisorState state = stateIn(FilterMode::kRelocalising, 1);
   state.since_s = kNow_s - 10.0;
   SupervisorEvidence evidence = withRelocaliser(healthy());
@@ -376,7 +393,7 @@ class EveryDecision : public ::testing::Test {
 
   template <class Check>
   static void forEach(Check check) {
-    const SupervisorConfig config;
+    const SupervisorConfig config = automatic();
     const auto all_evidences = evidences();
     for (const SupervisorState& state : states()) {
       for (const SupervisorEvidence& evidence : all_evidences) {
