@@ -172,8 +172,9 @@ class BatchSolution:
 
     def _add_errors(self, rows):
         state = STATES * np.arange(len(self.duration))
-        persistence = [self.noise[key] for key in ("speed_correlation_time_s", "correlation_time_s",
-                                                   "turn_relative_correlation_time_s")]
+        persistence = [self.noise.get(key) or self.noise["correlation_time_s"]
+                       for key in ("speed_correlation_time_s", "correlation_time_s",
+                                   "turn_relative_correlation_time_s")]
         for k, (name, persists_s) in enumerate(zip(ERRORS, persistence)):
             kept = np.exp(-self.duration / persists_s)
             renewed = np.sqrt(1.0 - kept ** 2)
