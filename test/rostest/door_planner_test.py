@@ -91,11 +91,11 @@ class DoorPlannerTest(unittest.TestCase):
         for status in message.status:
             cls.status[status.name] = (status.message, {v.key: v.value for v in status.values})
 
-    def ask(self, x=42.0, y=6.0, **fields):
+    def ask(self, x=42.0, y=6.0, plan_path=None, **fields):
         fields.setdefault("from_pose", False)
         fields.setdefault("start", Point(3.0, 4.0, 0.0))
-        return self.plan_path(goal=Point(x, y, 0.0), tolerance=fields.pop("tolerance", 0.0),
-                              lowest_information=fields.pop("lowest_information", 0.0), **fields)
+        return (plan_path or self.plan_path)(goal=Point(x, y, 0.0), tolerance=fields.pop("tolerance", 0.0),
+                                             lowest_information=fields.pop("lowest_information", 0.0), **fields)
 
     def test_1_before_a_map_it_says_so(self):
         answer = self.ask()
@@ -128,13 +128,27 @@ class DoorPlannerTest(unittest.TestCase):
         self.assertIn("No pose", answer.message)
 
     def test_4_many_requests_at_once(self):
-        answers = []
-        threads = [threading.Thread(target=lambda: answers.append(self.ask())) for _ in range(100)]
+        # Connections that stand already: what is asked at once is the planner, not the master, which answers five callers.
+        proxies = [rospy.ServiceProxy("plan_path", PlanPath, persistent=True) for _ in range(100)]
+        for proxy in proxies:
+            self.ask(plan_path=proxy)
+        start, statuses = threading.Barrier(len(proxies)), []
+
+        def request(proxy):
+            start.wait()
+            try:
+                statuses.append(self.ask(plan_path=proxy).status)
+            except rospy.ServiceException as error:
+                statuses.append(str(error))
+
+        threads = [threading.Thread(target=request, args=(proxy,)) for proxy in proxies]
         for thread in threads:
             thread.start()
         for thread in threads:
             thread.join()
-        self.assertEqual([a.status for a in answers], ["OK"] * 100)
+        for proxy in proxies:
+            proxy.close()
+        self.assertEqual(statuses, ["OK"] * 100)
 
     def test_5_make_plan_answers_too(self):
         start, goal = PoseStamped(), PoseStamped()
