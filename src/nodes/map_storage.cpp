@@ -1,7 +1,6 @@
 #include "nodes/map_storage.h"
 
 #include <ctime>
-#include <sstream>
 #include <vector>
 
 #include "common/error.h"
@@ -73,10 +72,11 @@ struct Release {
 
 }  // namespace
 
-MapStorage::MapStorage() {
+MapStorage::MapStorage(const SavedMapConfig& begin_with,
+                       const std::optional<core::Pose2>& start_pose)
+    : begin_with_(begin_with), start_pose_(start_pose) {
   handle_.setCallbackQueue(&calls_);
-  std::string map;
-  if (handle_.getParam("saved_map/folder", map) && !map.empty()) {
+  if (!begin_with_.folder.empty()) {
     give_up_s_ = steadyNow() + kStartPatience_s;
     start_timer_ = handle_.createSteadyTimer(
         ros::WallDuration(0.2), [this](const ros::SteadyTimerEvent&) { loadAtStart(); });
@@ -179,14 +179,12 @@ void MapStorage::loadAtStart() {
   if (!all_there && steadyNow() < give_up_s_) return;
   start_timer_.stop();
   LoadMap::Request request;
-  request.path = handle_.param("saved_map/folder", std::string());
-  request.localise_only = handle_.param("saved_map/localise_only", false);
-  std::istringstream pose(handle_.param("saved_map/pose", std::string()));
-  core::Pose2 T_map_base;
-  if (pose >> T_map_base.x_m >> T_map_base.y_m >> T_map_base.yaw_rad) {
+  request.path = begin_with_.folder;
+  request.localise_only = begin_with_.localise_only;
+  if (start_pose_) {
     request.use_pose = true;
     const Eigen::Vector3d variances(0.25, 0.25, 0.01);  // as RViz's initialpose has them, about
-    request.pose = toMessage(T_map_base, variances.asDiagonal());
+    request.pose = toMessage(*start_pose_, variances.asDiagonal());
   }
   LoadMap::Response response;
   load(request, response);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <hymm/LoadMap.h>
@@ -10,6 +11,8 @@
 #include <ros/ros.h>
 #include <ros/spinner.h>
 
+#include "nodes/saved_map_config.h"
+
 namespace hymm {
 
 /// The services `save_map` and `load_map` of the node `supervisor`: has the owners of the map,
@@ -17,9 +20,9 @@ namespace hymm {
 /// landmarks, and completes the folder. Works on a thread of its own.
 class MapStorage {
  public:
-  /// Offers the services. If the parameter `saved_map/folder` names one, that is loaded as soon as
-  /// the owners are there; if it cannot be, the node ends.
-  MapStorage();
+  /// Offers the services. If `begin_with` names a folder, that is loaded as soon as the owners are
+  /// there, with the vehicle at `start_pose` if that is told; if it cannot be, the node ends.
+  MapStorage(const SavedMapConfig& begin_with, const std::optional<core::Pose2>& start_pose);
   ~MapStorage() { spinner_.stop(); }
   MapStorage(const MapStorage&) = delete;
   MapStorage& operator=(const MapStorage&) = delete;
@@ -31,6 +34,8 @@ class MapStorage {
   void distribute(LoadMap::Request request, LoadMap::Response& response);
   void loadAtStart();
 
+  SavedMapConfig begin_with_;
+  std::optional<core::Pose2> start_pose_;
   ros::NodeHandle handle_;
   ros::CallbackQueue calls_;
   ros::ServiceServer save_service_, load_service_;

@@ -35,15 +35,6 @@ std::set<std::string> subscribedNodes() {
 
 }  // namespace
 
-void PlaybackConfig::describe(core::ConfigSchema& schema) {
-  schema.text("bag", bag, "bag that the player plays: looked into first, if it is told");
-  schema.text("player", player, "name of the node `rosbag play`, started with --pause --clock");
-  schema.text("listeners", listeners,
-              "nodes that must be subscribed before it begins, separated by spaces");
-  schema.number("start_timeout_s", start_timeout_s, core::Range::positive(),
-                "longest wait, by the wall, for the player and the nodes that listen");
-}
-
 PlaybackNode::PlaybackNode(const PlaybackConfig& config) : config_(config) {
   std::istringstream names(config.listeners);
   for (std::string name; names >> name;) listeners_.push_back(name);

@@ -9,19 +9,9 @@
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
 
-#include "common/config.h"
+#include "nodes/playback_config.h"
 
 namespace hymm {
-
-/// Parameters of the node `playback`.
-struct PlaybackConfig {
-  std::string bag;                ///< that the player plays; empty: not told
-  std::string player = "player";  ///< node name of `rosbag play --pause --clock`
-  std::string listeners;          ///< nodes that must be subscribed before it begins, by spaces
-  double start_timeout_s = 60.0;  ///< longest wait for the nodes to be there
-
-  void describe(core::ConfigSchema& schema);
-};
 
 /// The node `playback`: lets a paused `rosbag play` begin when every node is ready to listen, and
 /// ends when the recording has ended and the filter has processed what it got.

@@ -18,12 +18,6 @@ constexpr double kModeWait_s = 5.0;      // by the wall, for the supervisor's fi
 
 }  // namespace
 
-void RecorderConfig::describe(core::ConfigSchema& schema) {
-  schema.text("output", output, "folder to write into; made if it does not exist");
-  schema.number("save_period_s", save_period_s, core::Range::between(0.05, 3600.0),
-                "how often a complete folder is saved while the run goes on, by the wall");
-}
-
 RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle)
     : vehicle_(vehicle),
       writer_(config.output),

@@ -18,6 +18,7 @@
 #include <ros/ros.h>
 #include <sensor_msgs/NavSatFix.h>
 
+#include "nodes/recorder_config.h"
 #include "pipeline/landmark_mirror.h"
 #include "pipeline/results_writer.h"
 #include "ros/cause_log.h"
@@ -28,14 +29,6 @@
 #include "vehicle/vehicle_config.h"
 
 namespace hymm {
-
-/// Parameters of the node `recorder`.
-struct RecorderConfig {
-  std::string output;           ///< folder
-  double save_period_s = 10.0;  ///< by the wall
-
-  void describe(core::ConfigSchema& schema);
-};
 
 /// The node `recorder`: writes what the live nodes find into the folder that `hymm_offline` would
 /// write, in the order of stamps. All of it is saved now and then, so that even a node that is
