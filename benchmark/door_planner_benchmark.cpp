@@ -63,12 +63,15 @@ struct PreparedPlanner {
     const auto begin = std::chrono::steady_clock::now();
     planner.prepare(Vector2d::Zero());
     preparation_s = secondsSince(begin);
+    const auto districts_begin = std::chrono::steady_clock::now();
+    planner.prepareDistricts();
+    districts_s = secondsSince(districts_begin);
   }
 
   DiscWorld world;
   test::SquareMesh mesh;
   core::DoorPlanner planner;
-  double preparation_s = 0.0;
+  double preparation_s = 0.0, districts_s = 0.0;
 };
 
 PreparedPlanner& plannerOf(int cells) {
@@ -104,6 +107,9 @@ void queryDoors(benchmark::State& state, int cells) {
   state.counters["ltrs"] = ltrs;
   state.counters["portals"] = graph->portalCount();
   state.counters["preparation_s"] = prepared.preparation_s;
+  state.counters["districts_s"] = prepared.districts_s;
+  state.counters["district_bytes_per_ltr"] =
+      static_cast<double>(prepared.planner.districts()->bytes()) / ltrs;
   state.counters["bytes_per_ltr"] = static_cast<double>(graph->bytes()) / ltrs;
 }
 

@@ -51,6 +51,23 @@ std::size_t DoorPlanner::prepare(const Eigen::Vector2d& place, std::size_t max_m
   return left;
 }
 
+std::size_t DoorPlanner::prepareDistricts(std::size_t max_matrices) {
+  if (config_.district_m == 0.0) return 0;
+  const std::shared_ptr<const Districts> before = districts_;
+  const bool is_same = before && before->graph() == graph_;
+  const auto made = std::make_shared<const Districts>(
+      (is_same ? *before : Districts(graph_, config_.district_m, before.get()))
+          .withMatrices(max_matrices, district_search_));
+  const std::lock_guard<std::mutex> lock(graph_mutex_);
+  districts_ = made;
+  return made->missing();
+}
+
+std::shared_ptr<const Districts> DoorPlanner::districts() const {
+  const std::lock_guard<std::mutex> lock(graph_mutex_);
+  return districts_ && districts_->graph() == graph_ ? districts_ : nullptr;
+}
+
 std::shared_ptr<const DoorGraph> DoorPlanner::graph() const {
   const std::lock_guard<std::mutex> lock(graph_mutex_);
   return graph_;
@@ -58,13 +75,18 @@ std::shared_ptr<const DoorGraph> DoorPlanner::graph() const {
 
 Plan DoorPlanner::plan(const PlanRequest& request) const {
   Plan refused;
-  const std::shared_ptr<const DoorGraph> now =
-      request.weights.empty()
-          ? graph()
-          : weighted_maps_.graphFor(request.weights, request.start, request.interrupted, refused);
+  const std::shared_ptr<const Districts> near = request.weights.empty() ? districts() : nullptr;
+  std::shared_ptr<const DoorGraph> now;
+  if (near) {
+    now = near->graph();
+  } else if (request.weights.empty()) {
+    now = graph();
+  } else {
+    now = weighted_maps_.graphFor(request.weights, request.start, request.interrupted, refused);
+  }
   if (!now) return refused;
   std::unique_ptr<DoorSearch> search = searches_->take();
-  Plan plan = PlanQuery(*now, config_, request).run(*search);
+  Plan plan = PlanQuery(*now, near.get(), config_, request).run(*search);
   searches_->giveBack(std::move(search));
   return plan;
 }

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "door_planner/districts.h"
 #include "door_planner/door_graph.h"
 #include "door_planner/door_map.h"
 #include "door_planner/door_planner_config.h"
@@ -45,6 +46,10 @@ class DoorPlanner {
   std::size_t prepare(const Eigen::Vector2d& place,
                       std::size_t max_matrices = static_cast<std::size_t>(-1));
 
+  /// Brings districts up to date, which make long queries fast and change no answer: until they
+  /// are, queries do without them. Computes at most `max_matrices`; returns how many are left.
+  std::size_t prepareDistricts(std::size_t max_matrices = static_cast<std::size_t>(-1));
+
   /// The first request with weights of its own computes all costs anew, which takes as long as the
   /// first prepare() did.
   Plan plan(const PlanRequest& request) const;
@@ -54,6 +59,8 @@ class DoorPlanner {
   std::optional<std::size_t> findBlocked(const std::vector<Eigen::Vector2d>& path) const;
 
   std::shared_ptr<const DoorGraph> graph() const;
+  /// Of that graph; null while there are none.
+  std::shared_ptr<const Districts> districts() const;
   const DoorMap::Counts& counts() const { return map_.counts(); }
   const DoorPlannerConfig& config() const { return config_; }
 
@@ -64,6 +71,8 @@ class DoorPlanner {
   DoorMap map_;
   mutable std::mutex graph_mutex_;
   std::shared_ptr<const DoorGraph> graph_;
+  std::shared_ptr<const Districts> districts_;  ///< of the graph, or of one before it
+  PortalSearch district_search_;
   std::unique_ptr<Searches> searches_;  ///< memory of queries, used again
   mutable WeightedMaps weighted_maps_;
 };

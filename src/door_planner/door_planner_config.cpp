@@ -138,6 +138,8 @@ void DoorPlannerConfig::describe(ConfigSchema& schema) {
   schema.group("refinement", refinement);
   schema.number("portal_spacing_m", portal_spacing_m, Range{0.2, 50.0, false},
                 "largest distance of portals on a side; a quarter of the side if that is less");
+  schema.number("district_m", district_m, Range::notNegative(),
+                "edge of the squares of map whose LTRs long ways cross at once; 0: each by itself");
   schema.number("max_metric_error", max_metric_error, Range{0.001, 0.1, false},
                 "share by which a path along cells is longer than a straight one, at worst");
   schema.number("shape_tolerance", shape_tolerance, Range{0.0001, 0.2, false},

@@ -75,6 +75,7 @@ struct DoorPlannerConfig {
   PathCostConfig cost;
   RefinementConfig refinement;
   double portal_spacing_m = 4.0;
+  double district_m = 100.0;
   double max_metric_error = 0.02;
   double shape_tolerance = 0.01;
   double tolerance_m = 1.0;

@@ -35,6 +35,7 @@ Plan PlanQuery::run(DoorSearch& search) {
   if (std::optional<Plan> refused = check()) return *refused;
   DoorSearch::Options options;
   options.admits = request_.is_informed;
+  options.districts = districts_;
   if (request_.interrupted) options.stop = [this] { return isInterrupted(); };
   if (isInterrupted()) return stopped();
   DoorRoute route;
@@ -138,8 +139,10 @@ Plan PlanQuery::noWay(DoorSearch& search) const {
   const std::string between =
       "from " + placeText(request_.start) + " to " + placeText(request_.goal);
   if (request_.is_informed) {
+    DoorSearch::Options options;
+    options.districts = districts_;
     DoorRoute route;
-    if (search.find(graph_, start_, goal_, {}, route) == SearchOutcome::kFound) {
+    if (search.find(graph_, start_, goal_, options, route) == SearchOutcome::kFound) {
       return refusedPlan(PlanStatus::kBelowInformation,
                          "Every way " + between +
                              " leads through places where the vehicle would know its pose less "

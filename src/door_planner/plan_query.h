@@ -18,9 +18,10 @@ Plan refusedPlan(PlanStatus status, const std::string& sentence);
 /// One request against one graph.
 class PlanQuery {
  public:
-  /// All arguments outlive the object.
-  PlanQuery(const DoorGraph& graph, const DoorPlannerConfig& config, const PlanRequest& request)
-      : graph_(graph), config_(config), request_(request) {}
+  /// All arguments outlive the object. `districts` of the graph may be null.
+  PlanQuery(const DoorGraph& graph, const Districts* districts, const DoorPlannerConfig& config,
+            const PlanRequest& request)
+      : graph_(graph), districts_(districts), config_(config), request_(request) {}
 
   Plan run(DoorSearch& search);
 
@@ -40,6 +41,7 @@ class PlanQuery {
   void describe(const std::vector<PathPoint>& path, Plan& plan) const;
 
   const DoorGraph& graph_;
+  const Districts* districts_;
   const DoorPlannerConfig& config_;
   const PlanRequest& request_;
   GraphPlace start_, goal_;

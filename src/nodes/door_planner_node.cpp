@@ -16,6 +16,7 @@ constexpr std::uint32_t kQueue = 10000;
 constexpr bool kLatched = true;
 constexpr std::uint32_t kRequestThreads = 2;
 constexpr std::size_t kMatricesAtOnce = 200;  ///< then queries see what there is
+constexpr std::size_t kDistrictsAtOnce = 4;   ///< between looks for news
 constexpr double kDoorsEvery_s = 1.0;
 constexpr double kMoved_m = 0.01;  ///< by which a plan must move to be sent again
 
@@ -171,6 +172,15 @@ void DoorPlannerNode::work() {
     }
     replanIfBlocked();
     publishDoors();
+    prepareDistricts();
+  }
+}
+
+/// Until the map changes again.
+void DoorPlannerNode::prepareDistricts() {
+  while (planner_.prepareDistricts(kDistrictsAtOnce) > 0) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (stopping_ || has_news_) return;
   }
 }
 

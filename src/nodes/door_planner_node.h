@@ -80,6 +80,7 @@ class DoorPlannerNode {
   void watch();
   void publishLive(LivePlan& live);
   void work();
+  void prepareDistricts();
   void replanIfBlocked();
   void publishDoors();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);

@@ -91,6 +91,7 @@ const DoorStage::Outcome& DoorStage::outcome() const {
   feedFrom(*mapper_, feed);
   feed.tell(planner);
   planner.prepare(T_map_base_->position());
+  planner.prepareDistricts();
   outcome_->doors = doorsText(*planner.graph());
   if (const std::optional<Eigen::Vector2d> goal = config_.goalPlace()) {
     PlanRequest request;
