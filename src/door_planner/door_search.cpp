@@ -6,6 +6,8 @@
 namespace hymm::core {
 namespace {
 
+/// Share by which sums of the same costs may differ.
+constexpr float kRounding = 1e-4F;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 void offerStart(const DoorGraph& graph, const GraphPlace& start, const PlaceLink& from,
@@ -136,6 +138,12 @@ std::vector<PortalSearch::Step> DoorSearch::stepsInside(const PortalSearch::Scop
   target.costs.assign(std::size_t(last.portals), kInfinite);
   target.costs[std::size_t(to - last.first_portal)] = 0.0F;
   portals_.setTargets({target});
+  const Districts& districts = *scope.districts;
+  const auto rowOf = [&](int portal) {
+    const int side = graph.sideOf(portal);
+    return districts.rowOf(side, endIn(portal)) + portal - graph.side(side).first_portal;
+  };
+  portals_.limit(districts.matrix(district)->row(rowOf(from))[rowOf(to)] * (1.0F + kRounding));
   portals_.offerFrom(from, graph.side(graph.sideOf(from)).ltrs[endIn(from)]);
   portals_.run();
   return portals_.way(from);

@@ -9,6 +9,8 @@ namespace {
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 /// Ways are some percent dearer than the bound: some hundred buckets.
 constexpr float kBucketsPerLowest = 8192.0F;
+/// But not finer than this, in metres over the cheapest ground.
+constexpr float kFinest_m = 0.1F;
 /// Portals of a side are taken up together if their totals differ by no more than this share.
 constexpr float kTogether = 0.001F;
 /// And without a goal, in metres over the cheapest ground: what a bucket holds, too.
@@ -41,7 +43,7 @@ void PortalSearch::begin(const Scope& scope, const Eigen::Vector2d* from,
   if (has_goal_) {
     goal_ = (*goal - graph_->origin()).cast<float>();
     lowest_ = least_ * static_cast<float>((*from - *goal).norm());
-    buckets_per_cost_ = kBucketsPerLowest / std::max(lowest_, 1.0F);
+    buckets_per_cost_ = 1.0F / std::max(lowest_ / kBucketsPerLowest, kFinest_m * least_);
     together_ = kTogether * lowest_;
   } else {
     lowest_ = 0.0F;
