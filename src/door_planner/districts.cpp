@@ -46,6 +46,7 @@ void DistrictLayout::findBorders() {
   rows_.assign(graph_->sides().size(), {kNone, kNone});
   for (std::size_t number = 0; number < districts_.size(); ++number) {
     District& district = districts_[number];
+    district.first_portal = border_portals_;
     for (const int ltr : district.ltrs) {
       for (const int side_number : graph_->ltr(ltr).sides) {
         if (side_number == kNone) continue;
@@ -53,10 +54,11 @@ void DistrictLayout::findBorders() {
         const std::size_t end = side.ltrs[0] == ltr ? 0 : 1;
         if (districtOf(side.ltrs[1 - end]) == static_cast<int>(number)) continue;
         rows_[std::size_t(side_number)][end] = district.portals;
-        district.borders.push_back({side_number, end, district.portals});
+        district.borders.push_back({side_number, end, district.portals, side.portals});
         district.portals += side.portals;
       }
     }
+    border_portals_ += district.portals;
   }
 }
 

@@ -53,11 +53,13 @@ class DistrictLayout {
     int side = kNone;
     std::size_t end = 0;   ///< of the side's LTRs, the one in the district
     int first_portal = 0;  ///< in a row of the matrix
+    int portals = 0;
   };
   struct District {
     std::vector<int> ltrs;
     std::vector<Border> borders;
-    int portals = 0;  ///< on them
+    int portals = 0;       ///< on them
+    int first_portal = 0;  ///< among those on the borders of all districts
   };
 
   /// By squares of map. LTRs that have a place in `before` keep it, wherever they move.
@@ -68,6 +70,7 @@ class DistrictLayout {
   const std::vector<District>& districts() const { return districts_; }
   int districtOf(int ltr) const { return district_of_ltr_[std::size_t(ltr)]; }
   int rowOf(int side, std::size_t end) const { return rows_[std::size_t(side)][end]; }
+  int borderPortals() const { return border_portals_; }
   /// The district of LTRs whose key this is; kNone if there is none now.
   int find(std::uint64_t key) const;
   std::uint64_t keyOf(int district) const { return keys_[std::size_t(district)]; }
@@ -79,6 +82,7 @@ class DistrictLayout {
 
   std::shared_ptr<const DoorGraph> graph_;
   std::vector<District> districts_;
+  int border_portals_ = 0;
   std::vector<int> district_of_ltr_;
   std::vector<std::array<int, 2>> rows_;  ///< of a side's first portal, in the districts it borders
   std::vector<std::uint64_t> keys_;       ///< of the squares, by district
@@ -100,9 +104,11 @@ class Districts {
 
   const std::shared_ptr<const DoorGraph>& graph() const { return layout_->graph(); }
   int districtOf(int ltr) const { return layout_->districtOf(ltr); }
-  const std::vector<DistrictLayout::Border>& borders(int district) const {
-    return layout_->districts()[std::size_t(district)].borders;
+  const DistrictLayout::District& district(int number) const {
+    return layout_->districts()[std::size_t(number)];
   }
+  /// On the borders of all districts, each counted in both that it lies between.
+  int borderPortals() const { return layout_->borderPortals(); }
   /// Of a side's first portal, in the matrix of the district that holds its LTR `end`.
   int rowOf(int side, std::size_t end) const { return layout_->rowOf(side, end); }
   /// Null while it is not computed.

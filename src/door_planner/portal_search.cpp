@@ -31,6 +31,7 @@ void PortalSearch::begin(const Scope& scope, const Eigen::Vector2d* from,
       search_ == std::numeric_limits<std::uint32_t>::max()) {
     labels_.resize(std::size_t(graph_->portalCount()));
     states_.assign(graph_->sides().size(), SideState());
+    reached_searches_.clear();
     search_ = 0;
   }
   ++search_;
@@ -134,13 +135,37 @@ void PortalSearch::spread(int portal, int through, float reached) {
   }
 }
 
-void PortalSearch::spreadAcross(int portal, int side, std::size_t end, int district,
-                                float reached) {
+/// Costs at which the portals on a district's border have been reached through it.
+float* PortalSearch::reachedThrough(int number) {
+  const DistrictLayout::District& district = scope_.districts->district(number);
+  if (reached_.size() < std::size_t(scope_.districts->borderPortals())) {
+    reached_.resize(std::size_t(scope_.districts->borderPortals()));
+  }
+  if (reached_searches_.size() < scope_.districts->count()) {
+    reached_searches_.resize(scope_.districts->count(), 0);
+  }
+  float* reached = reached_.data() + district.first_portal;
+  if (std::exchange(reached_searches_[std::size_t(number)], search_) != search_) {
+    std::fill_n(reached, district.portals, kInfinite);
+  }
+  return reached;
+}
+
+// Most ways across a district are no cheaper than those that are known: what tells that lies side
+// by side, in the order of a row.
+void PortalSearch::spreadAcross(int portal, int side, std::size_t end, int district, float cost) {
   const int i = portal - graph_->searchSide(side).first_portal;
   const float* row =
       scope_.districts->matrix(district)->row(scope_.districts->rowOf(side, end) + i);
-  for (const DistrictLayout::Border& border : scope_.districts->borders(district)) {
-    relax(border.side, border.end, {portal, reached, row + border.first_portal, 1.0F});
+  float* reached = reachedThrough(district);
+  for (const DistrictLayout::Border& border : scope_.districts->district(district).borders) {
+    bool any = false;
+    for (int j = border.first_portal; j < border.first_portal + border.portals; ++j) {
+      const float through = cost + row[j];
+      any = any || through < reached[j];
+      reached[j] = std::min(reached[j], through);
+    }
+    if (any) relax(border.side, border.end, {portal, cost, row + border.first_portal, 1.0F});
   }
 }
 

@@ -108,7 +108,8 @@ class PortalSearch {
   void takeUp(const Entry& entry);
   void expand(int side, int portal);
   void spread(int portal, int ltr, float reached);
-  void spreadAcross(int portal, int side, std::size_t end, int district, float reached);
+  float* reachedThrough(int district);
+  void spreadAcross(int portal, int side, std::size_t end, int district, float cost);
   void relax(int side, std::size_t end, const Row& row);
   void reach(const Target& target, int portal);
 
@@ -118,11 +119,13 @@ class PortalSearch {
   bool has_goal_ = false;
   Eigen::Vector2f goal_ = Eigen::Vector2f::Zero();
   float least_ = 0.0F;
-  float limit_ = 0.0F;                       ///< of the cheapest way to a target so far
-  int last_ = kNone;                         ///< its last portal
-  std::vector<Label> labels_;                ///< by portal
-  std::vector<SideState> states_;            ///< by side
-  std::vector<std::vector<Entry>> buckets_;  ///< by total cost
+  float limit_ = 0.0F;                           ///< of the cheapest way to a target so far
+  int last_ = kNone;                             ///< its last portal
+  std::vector<Label> labels_;                    ///< by portal
+  std::vector<SideState> states_;                ///< by side
+  std::vector<float> reached_;                   ///< by portal on the borders of districts
+  std::vector<std::uint32_t> reached_searches_;  ///< by district, the search that it was reached in
+  std::vector<std::vector<Entry>> buckets_;      ///< by total cost
   std::size_t first_bucket_ = 0, end_bucket_ = 0;
   float lowest_ = 0.0F, buckets_per_cost_ = 1.0F, together_ = 0.0F;
   std::uint32_t search_ = 0;
