@@ -1,6 +1,7 @@
 #include "rviz_displays/filter_status_panel.h"
 
 #include <QHBoxLayout>
+#include <QScrollArea>
 #include <QVBoxLayout>
 #include <cmath>
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr int kRefreshEvery_ms = 200;
 constexpr double kHealthOld_s = 3.0;
+constexpr int kLeastTableHeight_px = 230;
 
 QString colourOf(const QString& mode) {
   if (mode == QString::fromStdString(FilterStatus::CEKF)) return "#2e8b57";
@@ -35,6 +37,23 @@ QString number(double value) { return std::isfinite(value) ? QString::number(val
 QString row(const QString& name, const QString& value) {
   return "<tr><td>" + name.toHtmlEscaped() + "&nbsp;&nbsp;</td><td><b>" + value.toHtmlEscaped() +
          "</b></td></tr>";
+}
+
+/// However low the panel is, nothing is squeezed.
+QScrollArea* scrolling(std::initializer_list<QWidget*> widgets) {
+  auto* column = new QVBoxLayout;
+  column->setContentsMargins(0, 0, 0, 0);
+  for (QWidget* widget : widgets) column->addWidget(widget);
+  column->addStretch();
+  auto* content = new QWidget;
+  content->setLayout(column);
+  auto* area = new QScrollArea;
+  area->setFrameShape(QFrame::NoFrame);
+  area->setWidgetResizable(true);
+  area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  area->setMinimumHeight(kLeastTableHeight_px);
+  area->setWidget(content);
+  return area;
 }
 
 QString percent(double share) { return number(100.0 * share) + " %"; }
@@ -60,13 +79,12 @@ FilterStatusPanel::FilterStatusPanel(QWidget* parent)
   auto* buttons = new QHBoxLayout;
   for (QPushButton* button : {relocalise_, pause_, save_}) buttons->addWidget(button);
   auto* column = new QVBoxLayout;
-  for (QWidget* widget : std::initializer_list<QWidget*>{mode_, reason_, evidence_, health_}) {
-    column->addWidget(widget);
-  }
+  column->addWidget(mode_);
+  column->addWidget(reason_);
+  column->addWidget(scrolling({evidence_, health_}), 1);
   column->addLayout(buttons);
   column->addWidget(path_);
   column->addWidget(answer_);
-  column->addStretch();
   setLayout(column);
   evidence_->setVisible(false);
   showMode("NO STATUS", "No filter_status has come. Is the supervisor running?");
