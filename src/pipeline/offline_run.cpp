@@ -1,5 +1,6 @@
 #include "pipeline/offline_run.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -23,7 +24,9 @@ OfflineRun::OfflineRun(const SuiteConfig& config, const std::vector<std::string>
       map_schedule_(config.cekf_slam),
       stages_(makeStages(nodes, config)),
       supervisor_(findSupervisor(stages_)) {
-  filter_.keepLocalStates(config.cekf_slam.local_states);
+  // Nothing else would go back to one.
+  const bool can_go_back = std::find(nodes.begin(), nodes.end(), "relocaliser") != nodes.end();
+  if (can_go_back) filter_.keepLocalStates(config.cekf_slam.local_states);
 }
 
 bool OfflineRun::process(SensorEvent event) {
