@@ -59,6 +59,8 @@ void appendAs(const void* data, std::size_t count, std::vector<double>& values) 
   for (std::size_t i = 0; i < count; ++i) values.push_back(static_cast<double>(numbers[i]));
 }
 
+bool isNumeric(matio_classes type) { return type >= MAT_C_DOUBLE && type <= MAT_C_UINT64; }
+
 /// False for a type that is not a number.
 bool appendNumbers(const matvar_t& variable, std::size_t count, std::vector<double>& values) {
   switch (variable.class_type) {
@@ -95,6 +97,16 @@ bool appendNumbers(const matvar_t& variable, std::size_t count, std::vector<doub
     default:
       return false;
   }
+}
+
+/// Whether a file of that size can hold the matrix that its header tells of. A number takes a byte
+/// at least, and deflate makes at most 1032 bytes of one. Else a damaged header would make the
+/// library take memory for whatever it says.
+bool fitsFile(const matvar_t& told, std::uintmax_t file_bytes) {
+  constexpr double kMostNumbersInByte = 1032.0;
+  double numbers = 1.0;
+  for (int i = 0; i < told.rank; ++i) numbers *= static_cast<double>(told.dims[i]);
+  return numbers <= kMostNumbersInByte * static_cast<double>(file_bytes);
 }
 
 }  // namespace
@@ -138,14 +150,18 @@ MatMatrix MatFile::read(const std::string& variable) const {
                      " (found: " + listOf(variables_) +
                      "); give the file as it was published, or rename the variable.");
   }
+  const Variable told{Mat_VarReadInfo(handle_->file, variable.c_str())};
+  if (!told || told->rank != 2 || told->isComplex != 0 || !isNumeric(told->class_type)) {
+    throw InputError(origin(variable) + " is not a plain matrix of real numbers" + kDamaged);
+  }
+  if (!fitsFile(*told, fs::file_size(path_))) {
+    throw InputError(origin(variable) + " claims to be larger than the file can hold" + kDamaged);
+  }
   const Variable read{Mat_VarRead(handle_->file, variable.c_str())};
   if (!read || (read->data == nullptr && read->nbytes > 0)) {
     throw InputError(origin(variable) + " cannot be read" + kDamaged);
   }
   MatMatrix matrix;
-  if (read->rank != 2 || read->isComplex != 0) {
-    throw InputError(origin(variable) + " is not a plain matrix of real numbers" + kDamaged);
-  }
   matrix.rows = read->dims[0];
   matrix.columns = read->dims[1];
   const std::size_t count = matrix.rows * matrix.columns;

@@ -1,4 +1,6 @@
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 #include <gmock/gmock.h>
 
@@ -168,6 +170,17 @@ TEST_F(AcfrMatlab, RefusesFileCutOffAnywhere) {
     folder_.write("data_set.mat", whole.substr(0, kept));
     EXPECT_THROW(readAcfr({file}), InputError) << kept << " of " << whole.size() << " bytes";
   }
+}
+
+TEST_F(AcfrMatlab, RefusesMatrixThatItsFileCannotHold) {
+  // A file of MATLAB's version 4: five words, the name with its end, then the numbers, of which
+  // only one is there.
+  const std::array<std::uint32_t, 5> header = {0, 1000, 1000, 0, 6};
+  std::string file(reinterpret_cast<const char*>(header.data()), sizeof(header));
+  file += std::string("LASER", 6) + std::string(8, '\0');
+  folder_.write("lsr.mat", file);
+  EXPECT_THAT([&] { MatFile(path("lsr.mat")).read("LASER"); },
+              ThrowsMessage<InputError>(HasSubstr("larger than the file")));
 }
 
 TEST_F(AcfrMatlab, RefusesWhatIsNoMatlabFile) {
