@@ -47,7 +47,7 @@ CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
                            const core::PointCloudConfig& point_clouds)
     : map_frame_(vehicle.config.map_frame),
       settings_(core::settingsOf(config)),
-      tf_listener_(tf_),
+      transforms_(tf_, causes_),
       filter_(config, vehicle.config, core::CekfSlam::GlobalUpdates::kBackground),
       merger_(config.merger),
       reader_(

@@ -17,7 +17,6 @@
 #include <ros/ros.h>
 #include <ros/spinner.h>
 #include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
 #include "cekf/cekf_slam.h"
 #include "pipeline/sensor_merger.h"
@@ -28,6 +27,7 @@
 #include "ros/scan_headers.h"
 #include "ros/sensor_inputs.h"
 #include "ros/sensor_queue.h"
+#include "ros/transform_reader.h"
 #include "storage/saved_settings.h"
 
 namespace hymm {
@@ -72,7 +72,7 @@ class CekfSlamNode {
   core::SavedSettings settings_;
   CauseLog causes_;
   tf2_ros::Buffer tf_;
-  tf2_ros::TransformListener tf_listener_;
+  TransformReader transforms_;
 
   std::mutex mutex_;  ///< over everything down to output_
   core::CekfSlam filter_;

@@ -23,7 +23,7 @@ HymmGridNode::HymmGridNode(const core::HymmGridConfig& config, const core::Vehic
                            const core::PointCloudConfig& point_clouds)
     : config_(config),
       vehicle_(vehicle),
-      tf_listener_(tf_),
+      transforms_(tf_, causes_),
       clouds_(SensorMountings(tf_, vehicle.base_frame, std::nullopt, kMountingWait_s), point_clouds,
               causes_),
       mapper_(config),

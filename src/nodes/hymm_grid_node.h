@@ -21,7 +21,6 @@
 #include <ros/ros.h>
 #include <ros/spinner.h>
 #include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
 #include "pipeline/grid_files.h"
 #include "pipeline/grid_mapper.h"
@@ -30,6 +29,7 @@
 #include "ros/grid_output.h"
 #include "ros/sample_placer.h"
 #include "ros/scan_pairing.h"
+#include "ros/transform_reader.h"
 #include "vehicle/vehicle_config.h"
 
 namespace hymm {
@@ -88,7 +88,7 @@ class HymmGridNode {
   ros::NodeHandle handle_, private_handle_{"~"};
   CauseLog causes_;
   tf2_ros::Buffer tf_;
-  tf2_ros::TransformListener tf_listener_;
+  TransformReader transforms_;
 
   mutable std::mutex inputs_mutex_;  ///< over what callbacks fill
   std::condition_variable arrived_;

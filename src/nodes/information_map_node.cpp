@@ -225,7 +225,8 @@ bool InformationMapNode::suggest(SuggestExploration::Request& request,
 /// By stamps, so that it holds in a playback at any speed. Called with mutex_ held.
 std::optional<double> InformationMapNode::mapAge_s() const {
   if (!pose_ || published_.empty()) return std::nullopt;
-  return (pose_->header.stamp - published_.front().header.stamp).toSec();
+  // In seconds, for a difference of stamps far apart would throw.
+  return pose_->header.stamp.toSec() - published_.front().header.stamp.toSec();
 }
 
 /// Called with mutex_ held.

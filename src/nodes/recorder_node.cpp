@@ -27,18 +27,27 @@ RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConf
       mode_(FilterStatus::INITIALISING),
       begin_wall_s_(steadyNow()) {
   const auto hints = ros::TransportHints().tcpNoDelay();
-  subscribers_ = {
-      handle_.subscribe("cekf/pose", kUnbounded, &RecorderNode::takePose, this, hints),
-      handle_.subscribe("cekf/health", kUnbounded, &RecorderNode::takeHealth, this, hints),
-      handle_.subscribe("pose", kUnbounded, &RecorderNode::takePoseInCharge, this, hints),
-      handle_.subscribe("landmarks", kUnbounded, &RecorderNode::takeMap, this, hints),
-      handle_.subscribe("landmark_updates", kUnbounded, &RecorderNode::takeUpdate, this, hints),
-      handle_.subscribe("gps/fix", kUnbounded, &RecorderNode::takeGps, this, hints),
-      handle_.subscribe("filter_status", kUnbounded, &RecorderNode::takeStatus, this, hints)};
+  const auto listen = [&](const char* topic, auto callback) {
+    subscribers_.push_back(traffic_.subscribe(handle_, topic, kUnbounded, callback, this, hints));
+  };
+  listen("cekf/pose", &RecorderNode::takePose);
+  listen("cekf/health", &RecorderNode::takeHealth);
+  listen("pose", &RecorderNode::takePoseInCharge);
+  listen("landmarks", &RecorderNode::takeMap);
+  listen("landmark_updates", &RecorderNode::takeUpdate);
+  listen("gps/fix", &RecorderNode::takeGps);
+  listen("filter_status", &RecorderNode::takeStatus);
+  traffic_.expect(handle_.resolveName("cekf/pose"));
   grid_.subscribe(handle_);
   level_sets_.subscribe(handle_);
   save_timer_ = handle_.createSteadyTimer(ros::WallDuration(config.save_period_s),
                                           [this](const ros::SteadyTimerEvent&) { save(); });
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("inputs", &traffic_, &TrafficMeter::diagnose);
+  diagnostics_.add("results", this, &RecorderNode::diagnose);
+  diagnostics_timer_ = handle_.createSteadyTimer(
+      ros::WallDuration(1.0),
+      [this](const ros::SteadyTimerEvent&) { diagnostics_.force_update(); });
 }
 
 void RecorderNode::takePose(const FilterPose& message) {
@@ -117,6 +126,7 @@ void RecorderNode::writeScan(core::ScanRecord scan) {
     poses_.erase(poses_.begin(), std::next(in_charge));
   }
   writer_.addScan(scan);
+  ++written_scans_;
 }
 
 bool RecorderNode::isWaitingForMode() const {
@@ -175,17 +185,40 @@ core::RunTotals RecorderNode::totals() const {
 }
 
 void RecorderNode::save() {
+  const double begin_s = steadyNow();
   try {
     grid_.write();
     level_sets_.write();
     writer_.save(landmarks_.map(), totals());
+    saved_wall_s_ = steadyNow();
+    save_ms_ = 1e3 * (saved_wall_s_ - begin_s);
   } catch (const core::OutputError& error) {  // perhaps there will be room again at the end
     causes_.count("not saved", std::string("Results cannot be saved: ") + error.what());
   }
 }
 
+void RecorderNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  status.summary(DiagnosticStatus::OK, "Recording");
+  if (!last_health_) status.summary(DiagnosticStatus::WARN, "No scan has been recorded");
+  status.add("scans written", written_scans_);
+  status.add("scans that wait for later ones", scans_.size());
+  status.add("poses or healths without the other", pairing_.unpaired());
+  status.add("GPS fixes that wait for later ones", fixes_.size());
+  if (saved_wall_s_ > 0.0) {
+    status.add("age of the folder [s, wall]", steadyNow() - saved_wall_s_);
+    status.add("saving, last [ms]", save_ms_);
+  }
+  const auto causes = causes_.counts();
+  for (const auto& [cause, count] : causes) status.add(cause, count);
+  if (causes.count("not saved") > 0) {
+    status.mergeSummary(DiagnosticStatus::ERROR, "Results could not be saved");
+  }
+}
+
 void RecorderNode::finish() {
   save_timer_.stop();
+  diagnostics_timer_.stop();
   write(std::numeric_limits<double>::infinity());
   grid_.write();
   level_sets_.write();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include <diagnostic_updater/diagnostic_updater.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <hymm/FilterHealth.h>
 #include <hymm/FilterPose.h>
@@ -26,6 +27,7 @@
 #include "ros/gps_converter.h"
 #include "ros/grid_record.h"
 #include "ros/level_set_record.h"
+#include "ros/traffic_meter.h"
 #include "vehicle/vehicle_config.h"
 
 namespace hymm {
@@ -58,12 +60,14 @@ class RecorderNode {
   bool isWaitingForMode() const;
   void save();
   core::RunTotals totals() const;
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   core::VehicleConfig vehicle_;
   core::ResultsWriter writer_;
   GridRecord grid_;
   LevelSetRecord level_sets_;
   CauseLog causes_;
+  TrafficMeter traffic_;
   GpsConverter gps_;
   core::LandmarkMirror landmarks_;
   std::string mode_;                   ///< of the last scan that was written
@@ -74,10 +78,14 @@ class RecorderNode {
   std::multimap<double, core::GpsFix> fixes_;                  ///< by stamp, to be written
   std::optional<FilterHealth> last_health_;
   double begin_wall_s_;
+  std::size_t written_scans_ = 0;
+  double saved_wall_s_ = 0.0;  ///< when the folder was last complete
+  double save_ms_ = 0.0;       ///< what that took
 
   ros::NodeHandle handle_;
   std::vector<ros::Subscriber> subscribers_;
-  ros::SteadyTimer save_timer_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::SteadyTimer save_timer_, diagnostics_timer_;
 };
 
 }  // namespace hymm

@@ -11,6 +11,7 @@
 #include "ros/relocaliser_conversions.h"
 #include "ros/sensor_conversions.h"
 #include "ros/steady_time.h"
+#include "ros/time_conversions.h"
 
 namespace hymm {
 namespace {
@@ -278,7 +279,7 @@ void RelocaliserNode::publish(const core::SearchReport& report) {
   }
   if (engine != nullptr) {
     health.landmarks = static_cast<std::uint32_t>(engine->map().landmarks.size());
-    health.begun_at = ros::Time(relocalisation_.search().begun_s());
+    health.begun_at = toRosTime(relocalisation_.search().begun_s());
     health.rivals = engine->counts().rivals;
   }
   health.wish = relocalisation_.wishes();

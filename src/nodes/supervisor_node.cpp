@@ -25,7 +25,7 @@ constexpr double kLandmarkWait_s = 0.2;  // by the wall, for the landmarks of a 
 SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
                                const core::VehicleConfig& vehicle)
     : config_(config),
-      tf_listener_(tf_),
+      transforms_(tf_, causes_),
       relocaliser_(handle_, [this] { processAnswers(); }),
       map_odom_(tf_, vehicle, config.transform_wait_s),
       watch_(handle_, vehicle.odom_frame),

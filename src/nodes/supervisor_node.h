@@ -16,7 +16,6 @@
 #include <ros/ros.h>
 #include <sensor_msgs/NavSatFix.h>
 #include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
 #include "common/serial_worker.h"
 #include "pipeline/landmark_mirror.h"
@@ -26,6 +25,7 @@
 #include "ros/map_odom_broadcaster.h"
 #include "ros/relocaliser_watch.h"
 #include "ros/trajectory_path.h"
+#include "ros/transform_reader.h"
 #include "ros/transform_watch.h"
 #include "supervisor/grid_agreement.h"
 #include "supervisor/supervisor_decision.h"
@@ -90,7 +90,7 @@ class SupervisorNode {
 
   ros::NodeHandle handle_;
   tf2_ros::Buffer tf_;
-  tf2_ros::TransformListener tf_listener_;
+  TransformReader transforms_;
   RelocaliserWatch relocaliser_;
   MapOdomBroadcaster map_odom_;
   TransformWatch watch_;

@@ -15,7 +15,9 @@ struct FilterAnswer {
   FilterHealth health;
 };
 
-/// Brings the pose and the health of a scan, which come on two topics, together by their stamp.
+/// Brings the pose and the health of a scan, which come on two topics, together by their stamp. One
+/// whose other half does not come is passed over with the next pair, whatever its stamp: a clock
+/// may run back, and a stamp may be wrong.
 class FilterPairing {
  public:
   void add(const FilterPose& pose) { poses_.push_back(pose); }
@@ -28,6 +30,9 @@ class FilterPairing {
   std::size_t unpaired() const { return unpaired_; }
 
  private:
+  template <class Message>
+  void bound(std::deque<Message>& waiting);
+
   std::deque<FilterPose> poses_;      ///< whose health has not come
   std::deque<FilterHealth> healths_;  ///< whose pose has not come
   std::size_t unpaired_ = 0;

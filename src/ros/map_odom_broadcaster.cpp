@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ros/pose_conversions.h"
+#include "ros/transform_lookup.h"
 
 namespace hymm {
 
@@ -19,18 +20,17 @@ void MapOdomBroadcaster::setPose(const ros::Time& stamp, const core::Pose2& T_ma
 
 void MapOdomBroadcaster::tryUpdate(double steady_now_s) {
   if (!pending_) return;
-  try {
-    const auto odometry =
-        tf_.lookupTransform(vehicle_.odom_frame, vehicle_.base_frame, pending_->stamp);
-    T_map_odom_ = pending_->T_map_base * core::inverse(fromMessage(odometry.transform));
+  const TransformAnswer odometry =
+      findTransform(tf_, vehicle_.odom_frame, vehicle_.base_frame, pending_->stamp);
+  if (odometry.transform) {
+    T_map_odom_ = pending_->T_map_base * core::inverse(fromMessage(odometry.transform->transform));
     pose_stamp_ = pending_->stamp;
     pending_.reset();
     problem_.clear();
-  } catch (const tf2::TransformException& error) {
-    if (steady_now_s - pending_->since_s < wait_s_) return;
+  } else if (steady_now_s - pending_->since_s >= wait_s_) {
     problem_ = "tf has no '" + vehicle_.odom_frame + "' -> '" + vehicle_.base_frame +
                "' at the scan's time; start dead_reckoning, or let the robot publish it. (" +
-               error.what() + ")";
+               odometry.problem + ")";
   }
 }
 

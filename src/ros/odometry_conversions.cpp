@@ -1,6 +1,7 @@
 #include "ros/odometry_conversions.h"
 
 #include "ros/pose_conversions.h"
+#include "ros/time_conversions.h"
 
 namespace hymm {
 namespace {
@@ -21,7 +22,7 @@ geometry_msgs::TwistWithCovariance toMessage(const core::BodyVelocity& velocity,
 nav_msgs::Odometry odometryMessage(const core::DeadReckoning& dead_reckoning,
                                    const core::VehicleConfig& vehicle) {
   nav_msgs::Odometry message;
-  message.header.stamp.fromSec(dead_reckoning.time_s());
+  message.header.stamp = toRosTime(dead_reckoning.time_s());
   message.header.frame_id = vehicle.odom_frame;
   message.child_frame_id = vehicle.base_frame;
   message.pose = toMessage(dead_reckoning.T_odom_base(), dead_reckoning.covariance());
@@ -34,7 +35,7 @@ nav_msgs::Odometry odometryMessage(const core::DeadReckoning& dead_reckoning,
 geometry_msgs::TransformStamped odometryTransform(const core::DeadReckoning& dead_reckoning,
                                                   const core::VehicleConfig& vehicle) {
   geometry_msgs::TransformStamped message;
-  message.header.stamp.fromSec(dead_reckoning.time_s());
+  message.header.stamp = toRosTime(dead_reckoning.time_s());
   message.header.frame_id = vehicle.odom_frame;
   message.child_frame_id = vehicle.base_frame;
   message.transform = toTransformMessage(dead_reckoning.T_odom_base());

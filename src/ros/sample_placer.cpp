@@ -2,10 +2,9 @@
 
 #include <utility>
 
-#include <tf2/exceptions.h>
-
 #include "ros/grid_conversions.h"
 #include "ros/pose_conversions.h"
+#include "ros/transform_lookup.h"
 
 namespace hymm {
 namespace {
@@ -35,17 +34,15 @@ std::vector<core::PropertySample> SamplePlacer::takePlaced(double steady_now_s) 
       placed.push_back(fromMessage(*waiting.sample, core::Pose2()));
       continue;
     }
-    try {
-      const auto found = tf_.lookupTransform(map_frame_, header.frame_id, header.stamp);
-      placed.push_back(fromMessage(*waiting.sample, fromMessage(found.transform)));
-    } catch (const tf2::TransformException& error) {
-      if (steady_now_s - waiting.since_s < wait_s_) {
-        still_waiting.push_back(waiting);
-      } else {
-        causes_.count(
-            "samples of frame '" + header.frame_id + "' without a place",
-            "Property samples of frame '" + header.frame_id + "' are refused: " + error.what());
-      }
+    const TransformAnswer found = findTransform(tf_, map_frame_, header.frame_id, header.stamp);
+    if (found.transform) {
+      placed.push_back(fromMessage(*waiting.sample, fromMessage(found.transform->transform)));
+    } else if (steady_now_s - waiting.since_s < wait_s_) {
+      still_waiting.push_back(waiting);
+    } else {
+      causes_.count(
+          "samples of frame '" + header.frame_id + "' without a place",
+          "Property samples of frame '" + header.frame_id + "' are refused: " + found.problem);
     }
   }
   waiting_ = std::move(still_waiting);

@@ -3,9 +3,9 @@
 #include <utility>
 
 #include <ros/console.h>
-#include <tf2/exceptions.h>
 
 #include "ros/pose_conversions.h"
+#include "ros/transform_lookup.h"
 
 namespace hymm {
 namespace {
@@ -67,19 +67,19 @@ SensorMountings::Answer SensorMountings::ask(const std::string& sensor_frame, bo
     answer.problem = "the message names no frame";
     return answer;
   }
-  try {
-    const auto transform =
-        tf_.lookupTransform(base_frame_, withoutSlash(sensor_frame), ros::Time(0)).transform;
+  const TransformAnswer found =
+      findTransform(tf_, base_frame_, withoutSlash(sensor_frame), ros::Time(0));
+  if (found.transform) {
+    const geometry_msgs::Transform& transform = found.transform->transform;
     if (in_space || uprightness(transform.rotation) >= kUpright) return answerOf(transform);
     answer.problem =
         "the sensor of frame '" + sensor_frame +
         "' is tilted by over 10 degrees or upside down; its scan is not in the plane of '" +
         base_frame_ + "'";
     return answer;
-  } catch (const tf2::TransformException&) {
-    answer.waiting = waited_s < wait_s_;
-    if (answer.waiting) return answer;
   }
+  answer.waiting = waited_s < wait_s_;
+  if (answer.waiting) return answer;
   answer.problem =
       "tf does not know where frame '" + sensor_frame + "' stands on '" + base_frame_ + "'";
   if (in_space) {
