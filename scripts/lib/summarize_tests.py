@@ -1,7 +1,7 @@
 """Counts what scripts/test ran, names what failed or was skipped, and why.
 
 Reads the JUnit files that ctest left in a folder and the lines `passed NAME`, `failed NAME` of
-experiments.txt there. The last line printed is `N passed, N failed` with `, N skipped` if any were.
+others.txt there. The last line printed is `N passed, N failed` with `, N skipped` if any were.
 Exits with 1 if a test failed or none ran.
 """
 
@@ -32,11 +32,11 @@ def outcome_of(case):
 
 def read_outcomes(folder):
     for path in sorted(folder.glob("*.xml")):
-        suffix = " (sanitizers)" if path.stem == "sanitizers" else ""
+        suffix = f" ({path.stem.replace('_', ' ')})" if path.stem.startswith("sanitizer_") else ""
         for case in ElementTree.parse(path).getroot().iter("testcase"):
             yield (case.get("name") + suffix, *outcome_of(case))
-    experiments = folder / "experiments.txt"
-    for line in experiments.read_text().splitlines() if experiments.exists() else []:
+    others = folder / "others.txt"
+    for line in others.read_text().splitlines() if others.exists() else []:
         outcome, name = line.split(" ", 1)
         yield name, outcome, ""
 

@@ -1,0 +1,30 @@
+#!/usr/bin/python3
+"""Small files of each kind for the fuzzers to begin with: make_fuzz_seeds.py FOLDER."""
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy
+import rosbag
+import rospy
+import scipy.io
+from sensor_msgs.msg import LaserScan
+
+
+def main(folder):
+    for name in ("mat_file", "zip_file", "bag", "saved_map", "saved_state"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+    content = {"LASER": numpy.arange(12.0).reshape(3, 4), "TLsr": numpy.array([[1, 2, 3]], "uint32")}
+    scipy.io.savemat(folder / "mat_file/plain.mat", content)
+    scipy.io.savemat(folder / "mat_file/packed.mat", content, do_compression=True)
+    scipy.io.savemat(folder / "mat_file/old.mat", {"LASER": content["LASER"]}, format="4")
+    for name, kind in (("stored", zipfile.ZIP_STORED), ("deflated", zipfile.ZIP_DEFLATED)):
+        with zipfile.ZipFile(folder / f"zip_file/{name}.zip", "w", kind) as archive:
+            archive.writestr("folder/LASER.txt", "1 2 3\n" * 20)
+    for name in ("none", "bz2", "lz4"):
+        with rosbag.Bag(str(folder / f"bag/{name}.bag"), "w", compression=name) as bag:
+            for i in (1, 2):
+                bag.write("scan", LaserScan(ranges=[1.0] * 9), rospy.Time(i))
+
+
+main(Path(sys.argv[1]))
