@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "common/error.h"
-#include "simulation/world_builder.h"
+#include "simulation/winding_track.h"
 #include "simulation/world_catalog.h"
 
 namespace hymm::core {
@@ -15,53 +15,8 @@ constexpr int kPeople = 8;
 constexpr int kBushes = 12;
 constexpr int kHedges = 5;
 constexpr int kShelters = 4;
-constexpr int kTriesEach = 1000;
 constexpr Material kLeaves{0.3, false, 0.08};
 constexpr Material kBrick{0.4, false, 0.0};
-
-/// A closed winding track: a circle with a few waves around it.
-Route windingTrack(double length_m, RandomGenerator& generator) {
-  constexpr int kPoints = 2000;
-  std::vector<double> amplitude, phase;
-  for (const double greatest : {0.30, 0.15, 0.07}) {
-    amplitude.push_back(sampleUniform(generator, 0.6 * greatest, greatest));
-    phase.push_back(sampleUniform(generator, -kPi, kPi));
-  }
-  std::vector<Eigen::Vector2d> points;
-  double length = 0.0;
-  for (int i = 0; i < kPoints; ++i) {
-    const double angle = 2.0 * kPi * i / kPoints;
-    double radius = 1.0;
-    for (std::size_t k = 0; k < amplitude.size(); ++k) {
-      radius += amplitude[k] * std::cos(static_cast<double>(k + 2) * angle + phase[k]);
-    }
-    points.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
-    if (i > 0) length += (points.back() - points[points.size() - 2]).norm();
-  }
-  length += (points.front() - points.back()).norm();
-  for (Eigen::Vector2d& point : points) point *= length_m / length;
-  return Route(points);
-}
-
-/// A place within reach of the track.
-class Ground {
- public:
-  explicit Ground(const Route& route) {
-    for (const Eigen::Vector2d& point : route.points()) bounds_.extend(point);
-    bounds_.extend(bounds_.min() - Eigen::Vector2d::Constant(kReach_m));
-    bounds_.extend(bounds_.max() + Eigen::Vector2d::Constant(kReach_m));
-  }
-  Eigen::Vector2d sample(const WorldBuilder& builder, RandomGenerator& generator) const {
-    while (true) {
-      const Eigen::Vector2d point(sampleUniform(generator, bounds_.min().x(), bounds_.max().x()),
-                                  sampleUniform(generator, bounds_.min().y(), bounds_.max().y()));
-      if (builder.distanceFromRoute(point, kReach_m) < kReach_m) return point;
-    }
-  }
-
- private:
-  Eigen::AlignedBox2d bounds_;
-};
 
 /// An irregular clump of leaves.
 Polygon bush(const Eigen::Vector2d& centre, RandomGenerator& generator) {
@@ -96,18 +51,9 @@ bool tryAddShelter(WorldBuilder& builder, const Eigen::Vector2d& corner,
   return true;
 }
 
-/// Calls `tryOnce` until it has succeeded `count` times or there seems to be no room.
-template <class TryOnce>
-int repeat(int count, TryOnce tryOnce) {
-  int done = 0;
-  for (int tries = 0; done < count && tries < count * kTriesEach; ++tries) {
-    if (tryOnce()) ++done;
-  }
-  return done;
-}
-
-void addTrunks(WorldBuilder& builder, const Ground& ground, int count, RandomGenerator& generator) {
-  const int added = repeat(count, [&] {
+void addTrunks(WorldBuilder& builder, const Roadside& ground, int count,
+               RandomGenerator& generator) {
+  const int added = repeatWhileRoom(count, [&] {
     const double u = sampleUniform(generator, 0.0, 1.0);
     const double diameter = 0.1 + 0.9 * u * u;  // most trees are young
     return builder.tryAddLandmark(LandmarkType::kTrunk, ground.sample(builder, generator), diameter,
@@ -127,20 +73,21 @@ World makePark(const WorldConfig& config, const VehicleConfig& vehicle,
   WorldBuilder builder(windingTrack(length, generator), kSpeed_mps, vehicle);
   const double share = length / kLapLength_m;
   const auto scaled = [&](int count) { return static_cast<int>(std::lround(count * share)); };
-  const Ground ground(builder.route());
-  repeat(scaled(kShelters),
-         [&] { return tryAddShelter(builder, ground.sample(builder, generator), generator); });
-  repeat(scaled(kHedges), [&] {
+  const Roadside ground(builder.route(), kReach_m);
+  repeatWhileRoom(scaled(kShelters), [&] {
+    return tryAddShelter(builder, ground.sample(builder, generator), generator);
+  });
+  repeatWhileRoom(scaled(kHedges), [&] {
     const double yaw = sampleUniform(generator, -kPi, kPi);
     const double hedge = sampleUniform(generator, 4.0, 12.0);
     return builder.tryAdd(straightPiece(ground.sample(builder, generator), yaw, hedge, 1.0),
                           kLeaves, 0.5);
   });
-  repeat(scaled(kBushes), [&] {
+  repeatWhileRoom(scaled(kBushes), [&] {
     return builder.tryAdd(bush(ground.sample(builder, generator), generator), kLeaves, 0.5);
   });
   addTrunks(builder, ground, config.landmarks > 0 ? config.landmarks : scaled(kTrunks), generator);
-  repeat(config.people >= 0 ? config.people : scaled(kPeople), [&] {
+  repeatWhileRoom(config.people >= 0 ? config.people : scaled(kPeople), [&] {
     const Eigen::Vector2d from = ground.sample(builder, generator);
     const double yaw = sampleUniform(generator, -kPi, kPi);
     const double way = sampleUniform(generator, 6.0, 20.0);

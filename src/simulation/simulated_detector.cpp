@@ -35,8 +35,7 @@ bool SimulatedDetector::isInView(const Scene& scene, const TrueLandmark& landmar
   if (range > config_.range_max_m || range <= landmark.diameter_m / 2.0) return false;
   if (std::abs(bearing) > config_.field_of_view_rad / 2.0) return false;
   if (!config_.occlusion) return true;
-  const double angle = T_map_sensor.yaw_rad + bearing;
-  const auto hit = scene.cast(T_map_sensor.position(), {std::cos(angle), std::sin(angle)}, range);
+  const auto hit = scene.cast(BeamPlane(T_map_sensor).beam(bearing), range);
   return hit && hit->solid->landmark == landmark.id;
 }
 

@@ -16,27 +16,32 @@ constexpr double kFullIntensity = 32768.0;
 constexpr double kHalfIntensityRange_m = 30.0;
 constexpr double kDiffuseIntensity = 4096.0;
 
-Eigen::Vector2d directionOf(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
+/// Short grass.
+const Solid kGround{Disc{}, {0.3, false, 0.03}, -1};
 
 }  // namespace
 
 Scene::Scene(const std::vector<Solid>& standing, const RayCaster& standing_caster,
-             std::vector<Solid> moving)
+             std::vector<Solid> moving, const Terrain* terrain)
     : standing_(standing),
       standing_caster_(standing_caster),
       moving_(std::move(moving)),
-      moving_caster_(moving_) {}
+      moving_caster_(moving_),
+      terrain_(terrain) {}
 
-std::optional<Scene::Hit> Scene::cast(const Eigen::Vector2d& origin,
-                                      const Eigen::Vector2d& direction, double range_max_m) const {
-  std::optional<Hit> hit;
-  if (const auto met = standing_caster_.cast(origin, direction, range_max_m)) {
+std::optional<Scene::Hit> Scene::cast(const Beam& beam, double range_max_m) const {
+  const double plan_range_max_m = range_max_m / beam.stretch;
+  std::optional<Hit> hit;  // its range in plan, until the end
+  if (const auto met = standing_caster_.cast(beam.origin, beam.direction, plan_range_max_m)) {
     hit = Hit{met->range_m, met->incidence_cosine, &standing_[met->solid]};
   }
-  const double limit = hit ? hit->range_m : range_max_m;
-  if (const auto met = moving_caster_.cast(origin, direction, limit)) {
+  const auto limit = [&] { return hit ? hit->range_m : plan_range_max_m; };
+  if (const auto met = moving_caster_.cast(beam.origin, beam.direction, limit())) {
     hit = Hit{met->range_m, met->incidence_cosine, &moving_[met->solid]};
   }
+  const auto ground = terrain_ != nullptr ? terrain_->meet(beam, limit()) : std::nullopt;
+  if (ground) hit = Hit{ground->plan_range_m, ground->incidence_cosine, &kGround};
+  if (hit) hit->range_m *= beam.stretch;
   return hit;
 }
 
@@ -58,16 +63,15 @@ LaserScan SimulatedLaser::emptyScan(double time_s) const {
 }
 
 SimulatedScan SimulatedLaser::scan(const Scene& scene, const std::vector<Disc>& reflectors,
-                                   const Pose2& T_map_laser, double time_s) {
+                                   const BeamPlane& plane, double time_s) {
   SimulatedScan result{emptyScan(time_s), {}};
   LaserScan& scan = result.scan;
   const auto beams = static_cast<std::size_t>(config_.beams);
   std::vector<Hit> hits(beams);
   for (std::size_t i = 0; i < beams; ++i) {
-    const Eigen::Vector2d direction = directionOf(T_map_laser.yaw_rad + scan.bearing(i));
-    hits[i] = scene.cast(T_map_laser.position(), direction, config_.range_max_m);
+    hits[i] = scene.cast(plane.beam(scan.bearing(i)), config_.range_max_m);
   }
-  widenReflectors(scene, reflectors, T_map_laser, scan, hits);
+  widenReflectors(scene, reflectors, plane, scan, hits);
 
   for (std::size_t i = 0; i < beams; ++i) {
     Hit& hit = hits[i];
@@ -75,7 +79,7 @@ SimulatedScan SimulatedLaser::scan(const Scene& scene, const std::vector<Disc>& 
     if (hit && !isReturned(*hit)) hit.reset();
     double range = kInfinity;
     if (hit) {
-      range = mixedRange(scene, T_map_laser, scan.bearing(i), hit->range_m);
+      range = mixedRange(scene, plane, scan.bearing(i), hit->range_m);
       range = measuredRange(range, hit->solid->material.roughness_m);
     }
     if (sampleUniform(generator_, 0.0, 1.0) < config_.spurious_return_probability) {
@@ -90,15 +94,14 @@ SimulatedScan SimulatedLaser::scan(const Scene& scene, const std::vector<Disc>& 
 
 /// A retro-reflector outshines whatever else lies within a beam's width.
 void SimulatedLaser::widenReflectors(const Scene& scene, const std::vector<Disc>& reflectors,
-                                     const Pose2& T_map_laser, const LaserScan& scan,
+                                     const BeamPlane& plane, const LaserScan& scan,
                                      std::vector<Hit>& hits) const {
   for (const Disc& reflector : reflectors) {
-    const Eigen::Vector2d p = inverse(T_map_laser) * reflector.centre;
+    const Eigen::Vector2d p = inverse(plane.T_map_laser()) * reflector.centre;
     const double distance = p.norm();
     if (distance <= reflector.radius_m || distance > config_.range_max_m) continue;
     const double bearing = std::atan2(p.y(), p.x());
-    const auto seen =
-        scene.cast(T_map_laser.position(), directionOf(T_map_laser.yaw_rad + bearing), distance);
+    const auto seen = scene.cast(plane.beam(bearing), distance);
     if (!seen || !seen->solid->material.retro_reflective) continue;
     const double half_angle =
         std::asin(reflector.radius_m / distance) + config_.beam_width_rad / 2.0;
@@ -127,14 +130,14 @@ bool SimulatedLaser::isReturned(const Scene::Hit& hit) {
 }
 
 /// Where the two sides of a beam meet different surfaces, it may report a range between them.
-double SimulatedLaser::mixedRange(const Scene& scene, const Pose2& T_map_laser, double bearing_rad,
+double SimulatedLaser::mixedRange(const Scene& scene, const BeamPlane& plane, double bearing_rad,
                                   double range_m) {
   constexpr double kEdge_m = 0.3;
   if (config_.mixed_pixel_probability <= 0.0) return range_m;
   double nearest = range_m, farthest = range_m;
   for (const double side : {-0.5, 0.5}) {
-    const double angle = T_map_laser.yaw_rad + bearing_rad + side * config_.beam_width_rad;
-    const auto hit = scene.cast(T_map_laser.position(), directionOf(angle), config_.range_max_m);
+    const Beam beam = plane.beam(bearing_rad + side * config_.beam_width_rad);
+    const auto hit = scene.cast(beam, config_.range_max_m);
     if (!hit) continue;
     nearest = std::min(nearest, hit->range_m);
     farthest = std::max(farthest, hit->range_m);

@@ -4,6 +4,7 @@
 
 #include "common/random.h"
 #include "perception/laser_scan.h"
+#include "simulation/beam_plane.h"
 #include "simulation/ray_caster.h"
 #include "simulation/simulation_config.h"
 #include "simulation/world.h"
@@ -13,23 +14,25 @@ namespace hymm::core {
 /// The solid world at one moment: what stands, and what moves where it is now.
 class Scene {
  public:
-  /// `standing` and its caster outlive the scene.
+  /// `standing`, its caster and `terrain` (level ground if there is none) outlive the scene. What
+  /// is solid is taller than any beam climbs.
   Scene(const std::vector<Solid>& standing, const RayCaster& standing_caster,
-        std::vector<Solid> moving);
+        std::vector<Solid> moving, const Terrain* terrain = nullptr);
 
   struct Hit {
     double range_m;
     double incidence_cosine;
     const Solid* solid;
   };
-  std::optional<Hit> cast(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
-                          double range_max_m) const;
+  /// The nearest hit within `range_max_m` along the beam.
+  std::optional<Hit> cast(const Beam& beam, double range_max_m) const;
 
  private:
   const std::vector<Solid>& standing_;
   const RayCaster& standing_caster_;
   std::vector<Solid> moving_;
   RayCaster moving_caster_;
+  const Terrain* terrain_;
 };
 
 struct SimulatedScan {
@@ -44,18 +47,16 @@ class SimulatedLaser {
 
   /// `reflectors` are the places of retro-reflecting discs near the sensor.
   SimulatedScan scan(const Scene& scene, const std::vector<Disc>& reflectors,
-                     const Pose2& T_map_laser, double time_s);
+                     const BeamPlane& plane, double time_s);
 
  private:
   using Hit = std::optional<Scene::Hit>;
 
   LaserScan emptyScan(double time_s) const;
   void widenReflectors(const Scene& scene, const std::vector<Disc>& reflectors,
-                       const Pose2& T_map_laser, const LaserScan& scan,
-                       std::vector<Hit>& hits) const;
+                       const BeamPlane& plane, const LaserScan& scan, std::vector<Hit>& hits) const;
   bool isReturned(const Scene::Hit& hit);
-  double mixedRange(const Scene& scene, const Pose2& T_map_laser, double bearing_rad,
-                    double range_m);
+  double mixedRange(const Scene& scene, const BeamPlane& plane, double bearing_rad, double range_m);
   double measuredRange(double range_m, double roughness_m);
   float intensity(const Hit& hit);
   float reported(double range_m) const;

@@ -1,6 +1,7 @@
 #include "simulation/simulated_vehicle.h"
 
 #include <cmath>
+#include <utility>
 
 namespace hymm::core {
 namespace {
@@ -26,10 +27,12 @@ double yawRate(const RouteFollower::Command& command, double wheelbase_m) {
 
 SimulatedVehicle::SimulatedVehicle(const VehicleConfig& vehicle,
                                    const SimulatedMotionConfig& sensor, const DriveConfig& drive,
-                                   const Route& route, double speed_mps, RandomGenerator generator)
+                                   const Route& route, double speed_mps, RandomGenerator generator,
+                                   Terrain terrain)
     : vehicle_(vehicle),
       sensor_(sensor),
       generator_(generator),
+      terrain_(std::move(terrain)),
       calibration_{sensor.speed_scale, sensor.turn_scale, sensor.turn_offset},
       follower_(route, drive, vehicle, speed_mps),
       speed_noise_(vehicle.noise.correlationTimes_s()[0], generator_),
@@ -86,7 +89,7 @@ AckermannInput SimulatedVehicle::reportEncoders(double time_s) const {
   const double steering = command_.steering_rad;
   // The wheel that carries the encoder runs on a circle of its own: inside, it is slower.
   const double wheel_speed =
-      command_.speed_mps *
+      command_.speed_mps * terrain_.stretch(pose_) *
       (1.0 - std::tan(steering) * geometry.encoder_offset_left_m / geometry.wheelbase_m);
   const MotionNoise& noise = vehicle_.noise;
   const double speed_error =
@@ -103,16 +106,17 @@ AckermannInput SimulatedVehicle::reportEncoders(double time_s) const {
 
 TwistInput SimulatedVehicle::reportTwist(double time_s) const {
   const double yaw_rate = yawRate(command_, vehicle_.ackermann.wheelbase_m);
+  const double speed = command_.speed_mps * terrain_.stretch(pose_);
   const MotionNoise& noise = vehicle_.noise;
   const double speed_error =
       sensor_.noise_scale *
       (noise.speed_deviation_mps * speed_noise_.value() +
-       noise.speed_deviation_relative * command_.speed_mps * relative_speed_noise_.value());
+       noise.speed_deviation_relative * speed * relative_speed_noise_.value());
   const double turn_error =
       sensor_.noise_scale *
       (noise.yaw_rate_deviation_radps * turn_noise_.value() +
        noise.yaw_rate_deviation_relative * yaw_rate * relative_turn_noise_.value());
-  return {time_s, (command_.speed_mps - speed_error) / calibration_.speed_scale, 0.0,
+  return {time_s, (speed - speed_error) / calibration_.speed_scale, 0.0,
           (yaw_rate - calibration_.turn_offset - turn_error) / calibration_.turn_scale};
 }
 

@@ -3,6 +3,7 @@
 #include "common/random.h"
 #include "simulation/correlated_noise.h"
 #include "simulation/route_follower.h"
+#include "simulation/terrain.h"
 #include "vehicle/motion_model.h"
 
 namespace hymm::core {
@@ -11,10 +12,11 @@ namespace hymm::core {
 /// odometry) report what it does with the errors that its description claims.
 class SimulatedVehicle {
  public:
-  /// The map frame is that of `route`.
+  /// The map frame is that of `route` and `terrain`. The car follows its route in plan; over hills
+  /// its wheels roll farther than that.
   SimulatedVehicle(const VehicleConfig& vehicle, const SimulatedMotionConfig& sensor,
                    const DriveConfig& drive, const Route& route, double speed_mps,
-                   RandomGenerator generator);
+                   RandomGenerator generator, Terrain terrain = {});
 
   /// Where base_link is at `time_s`, at most one control period after the last control().
   Pose2 T_map_base(double time_s) const;
@@ -36,6 +38,7 @@ class SimulatedVehicle {
   VehicleConfig vehicle_;
   SimulatedMotionConfig sensor_;
   RandomGenerator generator_;
+  Terrain terrain_;
   Calibration calibration_;
   RouteFollower follower_;
   CorrelatedNoise speed_noise_, relative_speed_noise_, turn_noise_, relative_turn_noise_,

@@ -16,7 +16,7 @@ namespace {
 
 // Each part has a random stream of its own, so that changing one sensor leaves the others' errors
 // as they were.
-enum class Stream : std::uint32_t { kWorld, kVehicle, kLaser, kDetector, kGps };
+enum class Stream : std::uint32_t { kWorld, kVehicle, kLaser, kDetector, kGps, kAltimeter };
 
 RandomGenerator makeGenerator(std::uint64_t seed, Stream stream) {
   std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
@@ -58,10 +58,11 @@ struct Simulation::State {
         world(world_enu.transformed(inverse(T_enu_map))),
         caster(world.solids),
         vehicle(v, c.motion, c.drive, world.route, world.speed_mps,
-                makeGenerator(seed, Stream::kVehicle)),
+                makeGenerator(seed, Stream::kVehicle), world.terrain),
         laser(c.laser, makeGenerator(seed, Stream::kLaser)),
         detector(c.detections, makeGenerator(seed, Stream::kDetector)),
         gps(c.gps, makeGenerator(seed, Stream::kGps), kStartTime_s),
+        altimeter(makeGenerator(seed, Stream::kAltimeter)),
         motion_clock(true, c.motion.rate_hz),
         scan_clock(c.laser.enabled, c.laser.rate_hz),
         detection_clock(c.detections.enabled, c.detections.rate_hz),
@@ -71,6 +72,7 @@ struct Simulation::State {
   SimulatedEvent takeScan();
   SimulatedEvent detectLandmarks();
   std::optional<SimulatedEvent> fixPosition();
+  std::optional<double> measureHeight(const Pose2& T_map_base);
 
   Scene sceneAt(double time_s, const Eigen::Vector2d& place, double range_m) const;
   std::vector<TrueLandmark> landmarksNear(const Eigen::Vector2d& place, double range_m) const;
@@ -85,6 +87,7 @@ struct Simulation::State {
   SimulatedLaser laser;
   SimulatedDetector detector;
   SimulatedGps gps;
+  RandomGenerator altimeter;
   Clock motion_clock, scan_clock, detection_clock, gps_clock;
   bool ended = false;
 };
@@ -96,7 +99,7 @@ Scene Simulation::State::sceneAt(double time_s, const Eigen::Vector2d& place,
     Solid solid = mover.at(time_s);
     if (boundsOf(solid.shape).exteriorDistance(place) < range_m) moving.push_back(std::move(solid));
   }
-  return Scene(world.solids, caster, std::move(moving));
+  return Scene(world.solids, caster, std::move(moving), &world.terrain);
 }
 
 std::vector<TrueLandmark> Simulation::State::landmarksNear(const Eigen::Vector2d& place,
@@ -125,7 +128,7 @@ SimulatedEvent Simulation::State::moveOn() {
   const bool late = config.drive.duration_s > 0.0 &&
                     motion_clock.next_s() > kStartTime_s + config.drive.duration_s;
   ended = vehicle.isDone() || late;
-  return {input, vehicle.T_map_base(time_s), {}};
+  return {input, vehicle.T_map_base(time_s), {}, {}};
 }
 
 SimulatedEvent Simulation::State::takeScan() {
@@ -133,13 +136,20 @@ SimulatedEvent Simulation::State::takeScan() {
   scan_clock.advance();
   const Pose2 T_map_base = vehicle.T_map_base(time_s);
   const Pose2 T_base_laser = vehicle_config.laser.T_base_sensor();
-  const Pose2 T_map_laser = T_map_base * T_base_laser;
+  const BeamPlane plane(world.terrain, T_map_base, T_base_laser, config.laser.height_m);
+  const Pose2& T_map_laser = plane.T_map_laser();
   const double range = config.laser.range_max_m;
   const Scene scene = sceneAt(time_s, T_map_laser.position(), range);
   SimulatedScan scan =
-      laser.scan(scene, reflectorsNear(T_map_laser.position(), range), T_map_laser, time_s);
-  return {ScanEvent{std::move(scan.scan), T_base_laser}, T_map_base,
-          std::move(scan.beam_landmarks)};
+      laser.scan(scene, reflectorsNear(T_map_laser.position(), range), plane, time_s);
+  return {ScanEvent{std::move(scan.scan), T_base_laser}, T_map_base, std::move(scan.beam_landmarks),
+          measureHeight(T_map_base)};
+}
+
+std::optional<double> Simulation::State::measureHeight(const Pose2& T_map_base) {
+  if (world.terrain.isLevel()) return std::nullopt;
+  return world.terrain.height(T_map_base.position()) +
+         sampleNormal(altimeter, config.altimeter.deviation_m);
 }
 
 SimulatedEvent Simulation::State::detectLandmarks() {
@@ -152,7 +162,7 @@ SimulatedEvent Simulation::State::detectLandmarks() {
   const Scene scene = sceneAt(time_s, T_map_sensor.position(), range);
   ObservationSet set = detector.detect(scene, landmarksNear(T_map_sensor.position(), range),
                                        T_map_sensor, T_base_sensor, time_s);
-  return {std::move(set), T_map_base, {}};
+  return {std::move(set), T_map_base, {}, {}};
 }
 
 std::optional<SimulatedEvent> Simulation::State::fixPosition() {
@@ -162,7 +172,7 @@ std::optional<SimulatedEvent> Simulation::State::fixPosition() {
   const Eigen::Vector2d antenna(vehicle_config.gps_antenna.x_m, vehicle_config.gps_antenna.y_m);
   const auto fix = gps.fix(T_enu_map * (T_map_base * antenna), antenna, time_s);
   if (!fix) return std::nullopt;
-  return SimulatedEvent{*fix, T_map_base, {}};
+  return SimulatedEvent{*fix, T_map_base, {}, {}};
 }
 
 Simulation::Simulation(const SimulationConfig& config, const VehicleConfig& vehicle,
@@ -201,6 +211,8 @@ const std::vector<TrueLandmark>& Simulation::landmarks() const { return state_->
 TrueOccupancy Simulation::occupancy(double resolution_m) const {
   return rasterised(state_->world, resolution_m);
 }
+
+const Terrain& Simulation::terrain() const { return state_->world.terrain; }
 
 const Calibration& Simulation::calibration() const { return state_->vehicle.calibration(); }
 

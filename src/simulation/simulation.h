@@ -7,6 +7,7 @@
 
 #include "pipeline/sensor_event.h"
 #include "simulation/simulation_config.h"
+#include "simulation/terrain.h"
 #include "simulation/truth.h"
 #include "vehicle/motion_model.h"
 
@@ -18,6 +19,9 @@ struct SimulatedEvent {
   Pose2 T_map_base;
   /// Of a scan: the landmark that each beam truly met first, or -1. Empty for other events.
   std::vector<int> beam_landmarks;
+  /// Of a scan, where the world has hills: the height of the ground under base_link, as an
+  /// altimeter measures it, m.
+  std::optional<double> height_m;
 };
 
 /// A vehicle with its sensors driving through a world: an ordered stream of sensor events, with
@@ -46,6 +50,9 @@ class Simulation {
   const std::vector<TrueLandmark>& landmarks() const;
 
   TrueOccupancy occupancy(double resolution_m) const;
+
+  /// In map; heights count from its origin.
+  const Terrain& terrain() const;
 
   /// What really maps the encoders' readings to speed and steering (or yaw rate).
   const Calibration& calibration() const;

@@ -49,6 +49,8 @@ void SimulatedLaserConfig::describe(ConfigSchema& schema) {
   schema.integer("beams", beams, Range{2.0, 100000.0}, "a scan");
   schema.number("range_min_m", range_min_m, Range::notNegative(), "nearer is reported as -inf");
   schema.number("range_max_m", range_max_m, Range::positive(), "farther is reported as +inf");
+  schema.number("height_m", height_m, Range::positive(),
+                "of the sensor over the ground; of effect on hills only");
   schema.number("range_deviation_m", range_deviation_m, Range::notNegative(), "constant part");
   schema.number("range_deviation_relative", range_deviation_relative, Range::notNegative(),
                 "part that grows with the range");
@@ -114,6 +116,11 @@ void SimulatedGpsConfig::describe(ConfigSchema& schema) {
                 "of the local frame, above the ellipsoid");
 }
 
+void SimulatedAltimeterConfig::describe(ConfigSchema& schema) {
+  schema.text("layer", layer, "of the dense map that its samples are for");
+  schema.number("deviation_m", deviation_m, Range::positive(), "of a height, white");
+}
+
 void SimulationConfig::describe(ConfigSchema& schema) {
   schema.group("world", world);
   schema.group("drive", drive);
@@ -121,6 +128,7 @@ void SimulationConfig::describe(ConfigSchema& schema) {
   schema.group("laser", laser);
   schema.group("detections", detections);
   schema.group("gps", gps);
+  schema.group("altimeter", altimeter);
 }
 
 VehicleConfig simulatedCar() {

@@ -54,6 +54,7 @@ struct SimulatedLaserConfig {
   int beams = 361;
   double range_min_m = 0.2;
   double range_max_m = 80.0;
+  double height_m = 0.8;  ///< over the ground; of effect on hills only
   double range_deviation_m = 0.01;
   double range_deviation_relative = 0.0003;
   double range_resolution_m = 0.01;  ///< 0 for none
@@ -106,6 +107,14 @@ struct SimulatedGpsConfig {
   void describe(ConfigSchema& schema);
 };
 
+/// What measures the height of the ground under the vehicle, with each scan, in worlds with hills.
+struct SimulatedAltimeterConfig {
+  std::string layer = "height";  ///< that its samples are for
+  double deviation_m = 0.05;
+
+  void describe(ConfigSchema& schema);
+};
+
 /// Everything that `simulate_world --config` can set.
 struct SimulationConfig {
   WorldConfig world;
@@ -114,6 +123,7 @@ struct SimulationConfig {
   SimulatedLaserConfig laser;
   SimulatedDetectorConfig detections;
   SimulatedGpsConfig gps;
+  SimulatedAltimeterConfig altimeter;
 
   void describe(ConfigSchema& schema);
 };

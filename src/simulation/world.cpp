@@ -12,6 +12,7 @@ World World::transformed(const Pose2& T_parent_world) const {
   for (TrueLandmark& landmark : moved.landmarks) {
     landmark.position = T_parent_world * landmark.position;
   }
+  moved.terrain = terrain.transformed(T_parent_world);
   return moved;
 }
 

@@ -4,6 +4,7 @@
 
 #include "simulation/route.h"
 #include "simulation/solid.h"
+#include "simulation/terrain.h"
 #include "simulation/truth.h"
 
 namespace hymm::core {
@@ -28,6 +29,7 @@ struct World {
   std::vector<Solid> solids;
   std::vector<Mover> movers;
   std::vector<TrueLandmark> landmarks;
+  Terrain terrain;  ///< what all of it stands on
 
   /// The same world in the parent frame.
   World transformed(const Pose2& T_parent_world) const;

@@ -36,6 +36,9 @@ class WorldBuilder {
   /// Distance from the route, up to `limit_m`.
   double distanceFromRoute(const Eigen::Vector2d& point, double limit_m) const;
 
+  /// What all of it stands on; level if it is not told.
+  void setTerrain(Terrain terrain) { world_.terrain = std::move(terrain); }
+
   const Route& route() const { return world_.route; }
   std::size_t landmarkCount() const { return world_.landmarks.size(); }
   World take() { return std::move(world_); }

@@ -32,6 +32,8 @@ const std::vector<WorldKind>& worldCatalog() {
       {"car_park", "parked and moving cars, poles, reflectors, people and walls", makeCarPark},
       {"plain", "one trunk per 100 m^2, covered by parallel tracks", makePlain},
       {"loop", "a long way round that comes back to an avenue of look-alike trees", makeLoop},
+      {"orchard", "trees in rows along alleys, fruit bins and pickers", makeOrchard},
+      {"hills", "trees around a winding track over hills that tilt the laser", makeHills},
   };
   return kinds;
 }

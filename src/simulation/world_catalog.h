@@ -37,6 +37,14 @@ World makeCarPark(const WorldConfig& config, const VehicleConfig& vehicle,
 World makePlain(const WorldConfig& config, const VehicleConfig& vehicle,
                 RandomGenerator& generator);
 
+/// Trees in rows along alleys, fruit bins and pickers.
+World makeOrchard(const WorldConfig& config, const VehicleConfig& vehicle,
+                  RandomGenerator& generator);
+
+/// Trees around a winding track over hills and hollows.
+World makeHills(const WorldConfig& config, const VehicleConfig& vehicle,
+                RandomGenerator& generator);
+
 /// A long way round that comes back to an avenue of look-alike trees.
 World makeLoop(const WorldConfig& config, const VehicleConfig& vehicle, RandomGenerator& generator);
 

@@ -165,7 +165,7 @@ Counts writeBag(core::Simulation& simulation, const core::SimulationConfig& conf
                 const core::VehicleConfig& vehicle, const Arguments& arguments) try {
   BagOutput output(arguments.output);
   output.bag().setCompression(compressionOf(arguments.compression));
-  SimulationBagWriter writer(output.bag(), config, vehicle);
+  SimulationBagWriter writer(output.bag(), config, vehicle, simulation.terrain());
   const double start_s = core::Simulation::kStartTime_s;
   writer.writeMountings(start_s);
   if (config.gps.enabled) writer.writeGpsOrigin(start_s);

@@ -4,6 +4,7 @@
 
 #include <geometry_msgs/PoseStamped.h>
 #include <hymm/LandmarkMap.h>
+#include <hymm/PropertySample.h>
 #include <nav_msgs/OccupancyGrid.h>
 
 #include "ros/pose_conversions.h"
@@ -20,9 +21,12 @@ constexpr std::int8_t kOccupied = 100, kFree = 0;
 }  // namespace
 
 SimulationBagWriter::SimulationBagWriter(rosbag::Bag& bag, const core::SimulationConfig& config,
-                                         const core::VehicleConfig& vehicle)
+                                         const core::VehicleConfig& vehicle,
+                                         const core::Terrain& terrain)
     : bag_(bag),
       vehicle_(vehicle),
+      altimeter_(config.altimeter),
+      terrain_(terrain),
       vehicle_bag_(bag, vehicle,
                    {config.gps.origin_latitude_deg, config.gps.origin_longitude_deg,
                     config.gps.origin_altitude_m},
@@ -39,6 +43,7 @@ void SimulationBagWriter::writeLandmarks(const std::vector<core::TrueLandmark>& 
     message.type = static_cast<std::uint8_t>(landmark.type);
     message.position.x = landmark.position.x();
     message.position.y = landmark.position.y();
+    message.position.z = terrain_.height(landmark.position);
     message.diameter = landmark.diameter_m;
     message.last_seen = map.header.stamp;
     map.landmarks.push_back(message);
@@ -65,7 +70,9 @@ void SimulationBagWriter::write(const core::SimulatedEvent& simulated) {
   std::visit([this](const auto& event) { write(event); }, simulated.event);
   const bool is_scan = std::holds_alternative<core::ScanEvent>(simulated.event);
   const bool is_detection = std::holds_alternative<core::ObservationSet>(simulated.event);
-  if (is_scan || is_detection) writePose(simulated.T_map_base, core::timeOf(simulated.event));
+  const double time_s = core::timeOf(simulated.event);
+  if (is_scan || is_detection) writePose(simulated.T_map_base, time_s);
+  if (simulated.height_m) writeHeight(*simulated.height_m, time_s);
 }
 
 void SimulationBagWriter::write(const core::MotionInput& input) {
@@ -99,7 +106,26 @@ void SimulationBagWriter::writePose(const core::Pose2& T_map_base, double time_s
   message.header.stamp = ros::Time(time_s);
   message.header.frame_id = kMapFrame;
   message.pose = toPoseMessage(T_map_base);
+  if (!terrain_.isLevel()) {
+    const Eigen::Isometry3d T = terrain_.standing(T_map_base);
+    const Eigen::Quaterniond q(T.linear());
+    message.pose.position.z = T.translation().z();
+    message.pose.orientation.w = q.w();
+    message.pose.orientation.x = q.x();
+    message.pose.orientation.y = q.y();
+    message.pose.orientation.z = q.z();
+  }
   bag_.write("/truth/pose", message.header.stamp, message);
+}
+
+void SimulationBagWriter::writeHeight(double height_m, double time_s) {
+  PropertySample message;  // at base_link itself, whose place there is certain
+  message.header.stamp = ros::Time(time_s);
+  message.header.frame_id = vehicle_.base_frame;
+  message.layer = altimeter_.layer;
+  message.value = height_m;
+  message.variance = altimeter_.deviation_m * altimeter_.deviation_m;
+  bag_.write("/property_samples", message.header.stamp, message);
 }
 
 }  // namespace hymm

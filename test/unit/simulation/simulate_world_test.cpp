@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -8,6 +10,7 @@
 #include <hymm/DeadReckoning.h>
 #include <hymm/LandmarkMap.h>
 #include <hymm/LandmarkObservations.h>
+#include <hymm/PropertySample.h>
 #include <nav_msgs/OccupancyGrid.h>
 #include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
@@ -112,6 +115,24 @@ TEST_F(SimulateWorld, WritesTheTruthInTheMapFrame) {
         static_cast<std::size_t>((landmark.position.y - grid.info.origin.position.y) / resolution);
     EXPECT_EQ(grid.data[y * grid.info.width + x], 100);
   }
+}
+
+TEST_F(SimulateWorld, TellsHeightsInSpaceWhereThereAreHills) {
+  ASSERT_EQ(simulate("--world hills --duration 20"), 0) << printed_;
+  const auto poses = messages<geometry_msgs::PoseStamped>("/truth/pose");
+  const auto samples = messages<PropertySample>("/property_samples");
+  ASSERT_EQ(samples.size(), poses.size());
+  double highest = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_EQ(samples[i].layer, "height");
+    EXPECT_EQ(samples[i].header.frame_id, "base_link");
+    EXPECT_EQ(samples[i].header.stamp, poses[i].header.stamp);
+    EXPECT_NEAR(samples[i].value, poses[i].pose.position.z, 0.3);  // six deviations
+    highest = std::max(highest, std::abs(poses[i].pose.position.z));
+  }
+  EXPECT_GT(highest, 0.1);
+  ASSERT_EQ(simulate("--world park --duration 2"), 0) << printed_;
+  EXPECT_TRUE(messages<PropertySample>("/property_samples").empty());
 }
 
 TEST_F(SimulateWorld, MountsTheSensorsOfTheGivenVehicle) {
