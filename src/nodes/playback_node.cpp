@@ -1,6 +1,7 @@
 #include "nodes/playback_node.h"
 
 #include <algorithm>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -13,24 +14,49 @@
 namespace hymm {
 namespace {
 
-constexpr double kConnect_s = 1.0;  // from being registered to being connected
-constexpr double kSilence_s = 2.0;  // rosbag repeats /clock at 10 Hz or more, paused or not
+constexpr double kConnect_s = 1.0;    // from being registered to being connected
+constexpr double kSilence_s = 2.0;    // rosbag repeats /clock at 10 Hz or more, paused or not
+constexpr double kAdvertise_s = 5.0;  // from when the player lives to when it tells its topics
 constexpr double kPoll_s = 0.1;
 
 void sleep(double duration_s) { ros::WallDuration(duration_s).sleep(); }
 
-/// All nodes that subscribe to anything.
-std::set<std::string> subscribedNodes() {
-  std::set<std::string> nodes;
-  XmlRpc::XmlRpcValue request, response, state;
-  request[0] = ros::this_node::getName();
-  if (!ros::master::execute("getSystemState", request, response, state, false)) return nodes;
-  for (int topic = 0; topic < state[1].size(); ++topic) {
-    for (int i = 0; i < state[1][topic][1].size(); ++i) {
-      nodes.insert(static_cast<std::string>(state[1][topic][1][i]));
+using NodesByTopic = std::map<std::string, std::set<std::string>>;
+
+/// Who publishes and who subscribes, as the master knows it; nothing if it does not answer.
+struct Traffic {
+  NodesByTopic publishers, subscribers;
+};
+
+NodesByTopic nodesByTopic(XmlRpc::XmlRpcValue& topics) {
+  NodesByTopic nodes;
+  for (int topic = 0; topic < topics.size(); ++topic) {
+    std::set<std::string>& of_topic = nodes[static_cast<std::string>(topics[topic][0])];
+    for (int i = 0; i < topics[topic][1].size(); ++i) {
+      of_topic.insert(static_cast<std::string>(topics[topic][1][i]));
     }
   }
   return nodes;
+}
+
+Traffic presentTraffic() {
+  XmlRpc::XmlRpcValue request, response, state;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return {};
+  return {nodesByTopic(state[0]), nodesByTopic(state[1])};
+}
+
+/// All nodes that subscribe to anything.
+std::set<std::string> subscribedNodes() {
+  std::set<std::string> nodes;
+  for (const auto& [topic, of_topic] : presentTraffic().subscribers) {
+    nodes.insert(of_topic.begin(), of_topic.end());
+  }
+  return nodes;
+}
+
+std::string joined(const std::string& list, const std::string& word) {
+  return list.empty() ? word : list + ", " + word;
 }
 
 }  // namespace
@@ -58,7 +84,7 @@ std::string PlaybackNode::missing() const {
   std::string names;
   for (const std::string& listener : listeners_) {
     const std::string name = handle_.resolveName(listener);
-    if (nodes.count(name) == 0) names += (names.empty() ? "" : ", ") + name;
+    if (nodes.count(name) == 0) names = joined(names, name);
   }
   return names;
 }
@@ -85,12 +111,48 @@ void PlaybackNode::startPlayer() {
     }
     sleep(kPoll_s);
   }
+  requireSensors();
   std_srvs::SetBool pause;
   pause.request.data = 0U;
   if (ros::ok() && !ros::service::call(service, pause)) {
     throw std::runtime_error("the recording is not played: " + service + " does not answer");
   }
   ROS_INFO("Playing.");
+}
+
+/// Names under which sensors are listened to, by the nodes that take them in, and nobody publishes.
+std::string PlaybackNode::silentSensors() const {
+  const Traffic traffic = presentTraffic();
+  std::string names;
+  for (const char* sensor : {"scan", "points", "detections", "odom", "dead_reckoning"}) {
+    const std::string topic = handle_.resolveName(sensor);
+    const auto listening = traffic.subscribers.find(topic);
+    if (listening == traffic.subscribers.end() || traffic.publishers.count(topic) > 0) continue;
+    for (const char* node : {"cekf_slam", "dead_reckoning"}) {
+      if (listening->second.count(handle_.resolveName(node)) == 0) continue;
+      names = joined(names, topic + " (for " + node + ")");
+    }
+  }
+  return names;
+}
+
+/// The player is there, but tells its topics a moment later.
+void PlaybackNode::requireSensors() const {
+  const double begin_s = steadyNow();
+  std::string names = silentSensors();
+  while (!names.empty() && ros::ok()) {
+    if (steadyNow() - begin_s > kAdvertise_s) {
+      throw core::InputError(
+          "the recording is not played, because nobody publishes " + names +
+          (config_.bag.empty() ? "" : ". The bag has " + topicsOf(config_.bag)) +
+          ". Tell the robot's names of topics, as scan_topic:=/front/scan, "
+          "odom_topic:=/wheel/odom, "
+          "or other inputs by motion_input and observation_input of cekf_slam; a bag of a car's "
+          "dead_reckoning alone needs dead_reckoning:=true");
+    }
+    sleep(kPoll_s);
+    names = silentSensors();
+  }
 }
 
 void PlaybackNode::waitForEnd() {

@@ -20,13 +20,16 @@ class PlaybackNode {
   explicit PlaybackNode(const PlaybackConfig& config);
 
   /// Throws core::InputError if the bag cannot be played, and std::runtime_error, naming the nodes
-  /// that are missing, if the start does not come about.
+  /// that are missing, if the start does not come about. A bag without what the nodes listen to, be
+  /// it for other names of topics, is an InputError too.
   void run();
 
  private:
   std::string missing() const;
   void waitForAll();
   void startPlayer();
+  std::string silentSensors() const;
+  void requireSensors() const;
   void waitForEnd();
 
   PlaybackConfig config_;

@@ -2,6 +2,7 @@
 
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include <rosbag/bag.h>
@@ -36,6 +37,22 @@ auto withBagErrors(const std::string& path, const Work& work) {
   } catch (const std::exception& error) {
     throw core::InputError(path + ": the bag is damaged (" + error.what() + ")." + reindex);
   }
+}
+
+/// The topics of a bag and their types, for a sentence.
+inline std::string topicsOf(const std::string& path) {
+  return withBagErrors(path, [&] {
+    const rosbag::Bag bag(path, rosbag::bagmode::Read);
+    std::map<std::string, std::string> types;
+    for (const rosbag::ConnectionInfo* info : rosbag::View(bag).getConnections()) {
+      types[info->topic] = info->datatype;
+    }
+    std::string list;
+    for (const auto& [topic, type] : types) {
+      list += (list.empty() ? "" : ", ") + topic + " (" + type + ")";
+    }
+    return list;
+  });
 }
 
 /// Throws core::InputError unless the bag can be opened and holds messages.

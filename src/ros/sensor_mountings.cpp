@@ -1,6 +1,8 @@
 #include "ros/sensor_mountings.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <ros/console.h>
 
@@ -18,6 +20,18 @@ double uprightness(const geometry_msgs::Quaternion& q) {
 /// tf2 knows no leading slash; messages of old recordings have one.
 std::string withoutSlash(const std::string& frame) {
   return frame.empty() || frame.front() != '/' ? frame : frame.substr(1);
+}
+
+/// Why `frame` cannot be found, where tf has others; empty where tf has none or has it.
+std::string framesInstead(const tf2::BufferCore& tf, const std::string& frame) {
+  std::vector<std::string> frames;
+  tf._getFrameStrings(frames);
+  if (frames.empty() || std::find(frames.begin(), frames.end(), frame) != frames.end()) return "";
+  std::sort(frames.begin(), frames.end());
+  std::string list;
+  for (const std::string& other : frames) list += (list.empty() ? "'" : ", '") + other + "'";
+  return " (tf has no frame '" + frame + "'; it has " + list +
+         ". The vehicle's base_frame, odom_frame and map_frame say which are used)";
 }
 
 constexpr double kUpright = 0.985;  // 10 degrees: the scan's plane is taken to be the ground's
@@ -80,8 +94,8 @@ SensorMountings::Answer SensorMountings::ask(const std::string& sensor_frame, bo
   }
   answer.waiting = waited_s < wait_s_;
   if (answer.waiting) return answer;
-  answer.problem =
-      "tf does not know where frame '" + sensor_frame + "' stands on '" + base_frame_ + "'";
+  answer.problem = "tf does not know where frame '" + sensor_frame + "' stands on '" + base_frame_ +
+                   "'" + framesInstead(tf_, base_frame_);
   if (in_space) {
     answer.problem += "; publish that static transform";
   } else if (!fallback_) {

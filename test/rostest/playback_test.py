@@ -34,11 +34,12 @@ class Playback(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
         self.path = Path(self.folder.name)
 
-    def play(self, bag, config):
+    def play(self, bag, config, *arguments):
         port = free_port()
         return subprocess.run(
             ["roslaunch", "--port", port, "hymm", "playback.launch", f"bag:={bag}",
-             f"config:={config}", f"rate:={RATE}", f"output:={self.path / 'live'}"],
+             f"config:={config}", f"rate:={RATE}", f"output:={self.path / 'live'}",
+             *arguments],
             env={**os.environ, "ROS_MASTER_URI": f"http://localhost:{port}",
                  "ROS_HOME": str(self.path / "ros")}, timeout=90, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
@@ -65,6 +66,12 @@ class Playback(unittest.TestCase):
         begin = time.monotonic()
         self.assertIn("cut.bag: the bag is cut off", self.play(bag, config).stdout)
         self.assertLess(time.monotonic() - begin, 40.0)
+
+    def test_topics_of_other_names_are_told_with_those_of_the_bag(self):
+        bag, config = ROOT / "bags" / "car_park.bag", ROOT / "config" / "datasets" / "car_park.yaml"
+        told = self.play(bag, config, "scan_topic:=/front/scan").stdout
+        self.assertIn("nobody publishes /front/scan (for cekf_slam)", told)
+        self.assertIn("/scan (sensor_msgs/LaserScan)", told)
 
     def expect_equal_results(self, scans):
         live, offline = (json.loads((self.path / kind / "summary.json").read_text())

@@ -145,6 +145,19 @@ TEST_F(EventReaderTest, AFrameThatNobodyKnowsIsWaitedForThenNamed) {
   EXPECT_THAT(causes_.counts(), Contains(Key("unknown frame 'nowhere'")));
 }
 
+TEST_F(EventReaderTest, AVehicleWithoutItsFrameIsToldWithTheFramesThatThereAre) {
+  geometry_msgs::TransformStamped mounting;
+  mounting.header.frame_id = "robot/base_footprint";
+  mounting.child_frame_id = "front_laser";
+  mounting.transform.rotation.w = 1.0;
+  tf2::BufferCore tf;
+  tf.setTransform(mounting, "test", true);
+  SensorMountings mountings(tf, "base_link", std::nullopt, 0.0);
+  EXPECT_THAT(
+      mountings.find("front_laser", 0.0).problem,
+      AllOf(HasSubstr("no frame 'base_link'"), HasSubstr("'front_laser', 'robot/base_footprint'")));
+}
+
 TEST_F(EventReaderTest, NegativeRangesAreCountedByScan) {
   const auto message = stamped<sensor_msgs::LaserScan>("laser");
   message->ranges = {1.0F, INFINITY, NAN};
