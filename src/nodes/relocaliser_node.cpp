@@ -195,18 +195,31 @@ void RelocaliserNode::work() {
 }
 
 void RelocaliserNode::workOn() {
+  bool is_busy = false;
   while (working_) {
     std::deque<Command> commands;
     std::vector<core::SensorEvent> events;
     {
       std::unique_lock<std::mutex> lock(inputs_mutex_);
-      if (commands_.empty()) arrived_.wait_for(lock, kPatience);
+      if (commands_.empty() && !is_busy) arrived_.wait_for(lock, kPatience);
       commands.swap(commands_);
       events = merger_.popReady(steadyNow());
     }
     for (const core::SensorEvent& event : events) process(event);
     for (const Command& command : commands) obey(command);
+    is_busy = search();
   }
+}
+
+/// One piece of the search, so that orders and the end are heard meanwhile.
+bool RelocaliserNode::search() {
+  const double start_s = steadyNow();
+  const bool is_busy = relocalisation_.work();
+  worked_s_ += steadyNow() - start_s;
+  if (!relocalisation_.takeNews()) return is_busy;
+  publish(relocalisation_.report());
+  worked_s_ = 0.0;
+  return is_busy;
 }
 
 void RelocaliserNode::process(const core::SensorEvent& event) {
@@ -237,16 +250,13 @@ void RelocaliserNode::processScan(const core::ObservationSet& set) {
   }
   resets_ = pose.resets;
   map_version_ = pose.map_version;
-  const double start_s = steadyNow();
-  publish(relocalisation_.take(set, fromMessage(pose)));
-  const std::lock_guard<std::mutex> lock(health_mutex_);
-  health_.latency_ms = 1e3 * (steadyNow() - start_s);
+  relocalisation_.take(set, fromMessage(pose));
 }
 
 void RelocaliserNode::obey(const Command& command) {
   if (const auto* wish = std::get_if<core::SearchWish>(&command)) {
     relocalisation_.wish(*wish);
-    publish(relocalisation_.report());
+    publish(relocalisation_.report());  // tells of the wish
   } else {
     obey(std::get<FilterStatus>(command));
   }
@@ -255,10 +265,10 @@ void RelocaliserNode::obey(const Command& command) {
 void RelocaliserNode::obey(const FilterStatus& status) {
   if (status.mode != FilterStatus::RELOCALISING) {
     relocalisation_.end();
-    publish(relocalisation_.report());
   } else if (status.order != last_order_) {
     last_order_ = status.order;
-    publish(relocalisation_.begin({status.order, status.in_good_order.toSec()}));
+    relocalisation_.begin(
+        {status.order, status.in_good_order.toSec(), status.header.stamp.toSec()});
     ROS_WARN_STREAM(relocalisation_.report().reason);
   }
 }
@@ -284,9 +294,9 @@ void RelocaliserNode::publish(const core::SearchReport& report) {
   }
   health.wish = relocalisation_.wishes();
   health.searches = relocalisation_.searches();
+  health.latency_ms = 1e3 * worked_s_;
   {
     const std::lock_guard<std::mutex> lock(health_mutex_);
-    health.latency_ms = health_.latency_ms;
     health_ = health;
   }
   publishHealth();

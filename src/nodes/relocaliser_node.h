@@ -60,6 +60,7 @@ class RelocaliserNode {
 
   void work();
   void workOn();
+  bool search();
   void process(const core::SensorEvent& event);
   void processScan(const core::ObservationSet& set);
   void obey(const Command& command);
@@ -86,6 +87,7 @@ class RelocaliserNode {
   std::optional<std::uint64_t> resets_;  ///< of the filter
   std::uint64_t map_version_ = 0;
   std::uint64_t last_order_ = 0;
+  double worked_s_ = 0.0;  ///< by the wall, since the last report
 
   std::mutex health_mutex_;  ///< over health_
   RelocaliserHealth health_;

@@ -23,12 +23,20 @@ void RelocaliserStage::takeScan(const ScanStep& step, CekfSlam& filter) {
   ObservationSet observations = step.outcome.observations;
   observations.T_base_sensor = step.outcome.pose.T_base_sensor;
   relocalisation_.take(observations, step.outcome.pose);
+  workOff();
 }
 
 void RelocaliserStage::begin(const SearchOrder& order, CekfSlam& filter) {
   const CpuTimer timer(cpu_s_);
   link_.filter = &filter;
   relocalisation_.begin(order);
+  workOff();
+}
+
+/// Here nothing is gained by doing it later.
+void RelocaliserStage::workOff() {
+  while (relocalisation_.work()) {
+  }
 }
 
 void RelocaliserStage::reset(double) { relocalisation_.reset(); }

@@ -38,6 +38,8 @@ class RelocaliserStage : public SuiteStage {
     CekfSlam* filter = nullptr;  ///< of the call that is on
   };
 
+  void workOff();
+
   EngineLink link_;
   Relocalisation relocalisation_;
   double cpu_s_ = 0.0;

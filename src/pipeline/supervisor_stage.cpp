@@ -71,7 +71,7 @@ SupervisorEvidence SupervisorStage::evidenceOf(const ScanStep& step) {
 
 void SupervisorStage::act(CekfSlam& filter) {
   if (decision_.action == SupervisorAction::kBeginRelocalising) {
-    relocaliser_->begin({++orders_, decision_.from_s}, filter);
+    relocaliser_->begin({++orders_, decision_.from_s, pose_.time_s}, filter);
     return;
   }
   if (decision_.action == SupervisorAction::kResumeWithoutClosing) {

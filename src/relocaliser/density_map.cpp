@@ -52,6 +52,11 @@ LookupGrid gridAround(const std::vector<LocalLandmark>& landmarks, double least_
           static_cast<std::int32_t>(cells.y())};
 }
 
+double clutterPerM2(std::size_t points, double view_m2, const DensityConfig& config) {
+  return config.clutter_share / (1.0 - config.clutter_share) * static_cast<double>(points) /
+         view_m2;
+}
+
 }  // namespace
 
 void DensityConfig::describe(ConfigSchema& schema) {
@@ -90,8 +95,7 @@ DensityMap::DensityMap(const std::vector<LocalLandmark>& landmarks,
       [](const auto& a, const auto& b) { return a.deviation_m < b.deviation_m; });
   const double least_m = least->deviation_m;
   grid_ = gridAround(landmarks, least_m, greatest->deviation_m);
-  const double clutter_per_m2 = config.clutter_share / (1.0 - config.clutter_share) *
-                                static_cast<double>(points.size()) / view_m2;
+  const double clutter_per_m2 = clutterPerM2(points.size(), view_m2, config);
   const auto cells = static_cast<std::size_t>(grid_.width) * static_cast<std::size_t>(grid_.height);
   std::map<double, std::size_t> table_of_deviation;
   std::vector<std::size_t> table_of_point;
@@ -151,6 +155,27 @@ double DensityMap::logValueAt(std::size_t point, const Eigen::Vector2d& p_local_
   const std::size_t u = cell(p_local_point.x(), grid_.origin_x_m, grid_.cells_per_m, grid_.width);
   const std::size_t v = cell(p_local_point.y(), grid_.origin_y_m, grid_.cells_per_m, grid_.height);
   return static_cast<double>(lookups_[point].table[v * static_cast<std::size_t>(grid_.width) + u]);
+}
+
+double logLikelihoodAt(const Pose2& pose, const std::vector<LocalLandmark>& landmarks,
+                       const std::vector<ObservedPoint>& points, double view_m2,
+                       const DensityConfig& config) {
+  const double clutter_per_m2 = clutterPerM2(points.size(), view_m2, config);
+  double sum = 0.0;
+  for (const ObservedPoint& point : points) {
+    const Eigen::Vector2d place = pose * point.p_base_point.cast<double>();
+    const double variance_m2 = point.deviation_m * point.deviation_m;
+    double density = 0.0;
+    for (const LocalLandmark& landmark : landmarks) {
+      const Eigen::Matrix2d S = landmark.covariance + variance_m2 * Eigen::Matrix2d::Identity();
+      const Eigen::Vector2d offset = place - landmark.position;
+      const double distance2 = offset.dot(S.inverse() * offset);
+      if (distance2 > kReach * kReach) continue;
+      density += std::exp(-0.5 * distance2) / (2.0 * kPi * std::sqrt(S.determinant()));
+    }
+    sum += std::log1p(density / clutter_per_m2);
+  }
+  return sum;
 }
 
 }  // namespace hymm::core

@@ -67,4 +67,9 @@ class DensityMap {
   std::vector<LookupPoint> lookups_;
 };
 
+/// The sum over `points` of what DensityMap adds for them, for one pose, without tables.
+double logLikelihoodAt(const Pose2& pose, const std::vector<LocalLandmark>& landmarks,
+                       const std::vector<ObservedPoint>& points, double view_m2,
+                       const DensityConfig& config);
+
 }  // namespace hymm::core

@@ -2,12 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "common/angles.h"
 #include "common/number_text.h"
-#include "relocaliser/whole_map.h"
 
 namespace hymm::core {
 namespace {
+
+// A map that explains the last scans so much worse than the best, by the logarithm of the
+// likelihood, is not looked in any more: what eight observations more make that are explained.
+constexpr double kHopeless = 25.0;
+
+Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const Pose2& T) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = T.rotation();
+  return turn * covariance * turn.transpose();
+}
 
 double timeOfKept(const std::variant<MotionInput, ObservationSet>& kept) {
   struct Time {
@@ -42,24 +53,25 @@ PlaceSearch::PlaceSearch(const RelocaliserConfig& config, const VehicleConfig& v
     : config_(config), vehicle_(vehicle) {}
 
 void PlaceSearch::take(const MotionInput& input) {
-  if (!isFinite(input)) return;
-  keep(input);
-  if (engine_) engine_->process(input);
+  if (isFinite(input)) keep(input);
 }
 
-std::optional<RelocaliserOutcome> PlaceSearch::take(const ObservationSet& set) {
-  if (!std::isfinite(set.time_s)) return std::nullopt;
-  keep(set);
-  if (!engine_) return std::nullopt;
-  std::optional<RelocaliserOutcome> outcome = engine_->process(set);
-  if (outcome) outcome_ = outcome;
-  return outcome;
+void PlaceSearch::take(const ObservationSet& set) {
+  if (std::isfinite(set.time_s)) keep(set);
 }
 
 void PlaceSearch::keep(Kept kept) {
   const double newest_s = timeOfKept(kept);
   kept_.push_back(std::move(kept));
-  while (timeOfKept(kept_.front()) < newest_s - config_.history_s) kept_.pop_front();
+  while (timeOfKept(kept_.front()) < newest_s - config_.history_s) {
+    kept_.pop_front();
+    ++first_kept_;
+  }
+  if (!isOn() || next_ >= first_kept_) return;
+  end();
+  failure_ = "The search cannot keep up with what is observed: it is more than " +
+             numberText(config_.history_s) +
+             " s behind (history_s). Give it fewer particles, or a place to look around.";
 }
 
 bool PlaceSearch::begin(const SearchStart& start, std::string& problem) {
@@ -67,58 +79,189 @@ bool PlaceSearch::begin(const SearchStart& start, std::string& problem) {
   problem = findGap(start.from_s);
   if (!problem.empty()) return false;
   calibration_ = start.calibration;
-  begun_s_ = std::max(start.from_s, timeOfKept(kept_.back()) - config_.replay_s);
+  beginAt(start.now_s, start.from_s);
   const MotionSince motion =
       motionBetween(kept_, MotionSince(vehicle_, calibration_), start.from_s, begun_s_);
-  std::optional<LocalMap> map =
+  const std::optional<LocalMap> map =
       tryMakeLocalMap(movedOn(start.estimate, motion), config_.range_m, config_.local_map, problem);
   if (!map) return false;
-  this->start(std::move(*map), false);
+  anywhere_ = false;
+  addEngine();
+  maps_.front().engine.begin(*map, begun_s_);
   return true;
 }
 
-bool PlaceSearch::beginAnywhere(const std::vector<LandmarkEstimate>& landmarks,
-                                const Calibration& calibration, std::string& problem) {
+bool PlaceSearch::beginAnywhere(const std::vector<LocalMap>& maps, const Calibration& calibration,
+                                double now_s, std::string& problem) {
   end();
-  std::optional<LocalMap> map = tryMakeWholeMap(landmarks, config_.whole_map, problem);
-  if (!map) return false;
   if (kept_.empty()) {
     problem = "Nothing has been observed yet.";
     return false;
   }
   calibration_ = calibration;
-  begun_s_ = std::max(timeOfKept(kept_.front()), timeOfKept(kept_.back()) - config_.replay_s);
-  start(std::move(*map), true);
-  return true;
+  anywhere_ = true;
+  beginAt(now_s, timeOfKept(kept_.front()));
+  for (const LocalMap& map : maps) {
+    addEngine();
+    maps_.back().engine.beginGlobally(map, begun_s_);
+  }
+  return isOn();
 }
 
-void PlaceSearch::start(LocalMap map, bool anywhere) {
-  engine_.emplace(config_, vehicle_, calibration_,
-                  RandomGenerator(static_cast<std::uint64_t>(config_.seed) + searches_));
-  ++searches_;
-  if (anywhere) {
-    engine_->beginGlobally(std::move(map), begun_s_);
-  } else {
-    engine_->begin(std::move(map), begun_s_);
+void PlaceSearch::beginAt(double now_s, double earliest_s) {
+  begun_s_ = std::max(earliest_s, now_s - config_.replay_s);
+  restarted_s_ = begun_s_;
+  next_ = first_kept_;
+  for (std::size_t i = 0; i < kept_.size() && timeOfKept(kept_[i]) <= begun_s_; ++i) {
+    const bool is_in_force = std::holds_alternative<MotionInput>(kept_[i]);
+    if (is_in_force) next_ = first_kept_ + i;
   }
-  for (const Kept& kept : kept_) {
-    if (const auto* input = std::get_if<MotionInput>(&kept)) {
-      engine_->process(*input);
-    } else if (timeOfKept(kept) > begun_s_) {
-      const auto outcome = engine_->process(std::get<ObservationSet>(kept));
-      if (outcome) outcome_ = outcome;
-    }
-  }
+  turn_ = best_ = 0;
+  scans_ = 0;
+}
+
+void PlaceSearch::addEngine() {
+  const std::uint64_t seed = static_cast<std::uint64_t>(config_.seed) + engines_++;
+  maps_.push_back({Relocaliser(config_, vehicle_, calibration_, RandomGenerator(seed)), {}});
+  shares_.assign(maps_.size(), 1.0);
 }
 
 void PlaceSearch::end() {
-  engine_.reset();
+  maps_.clear();
   outcome_.reset();
+  pose_.reset();
+  failure_.clear();
 }
 
 void PlaceSearch::reset() {
   end();
+  first_kept_ += kept_.size();
   kept_.clear();
+}
+
+std::size_t PlaceSearch::mapsLeft() const {
+  return static_cast<std::size_t>(std::count_if(
+      maps_.begin(), maps_.end(), [](const SearchedMap& map) { return !map.is_hopeless; }));
+}
+
+PlaceSearch::Progress PlaceSearch::work() {
+  if (!isOn()) return Progress::kNothingWaits;
+  const ObservationSet* set = nextSet();
+  if (set == nullptr) return Progress::kNothingWaits;
+  skipHopeless();
+  SearchedMap& map = maps_[turn_++];
+  map.outcome = map.engine.process(*set);
+  const bool has_place = map.outcome && !map.outcome->modes.empty();
+  map.log_likelihood = has_place ? map.engine.logLikelihoodAt(map.outcome->modes.front().mean)
+                                 : -std::numeric_limits<double>::infinity();
+  skipHopeless();
+  if (turn_ < maps_.size()) return Progress::kPieceDone;
+  finishScan(set->time_s);
+  return Progress::kScanDone;
+}
+
+/// Lets all maps have the motion up to the next set; null if none waits.
+const ObservationSet* PlaceSearch::nextSet() {
+  for (; next_ < first_kept_ + kept_.size(); ++next_) {
+    const Kept& kept = kept_[next_ - first_kept_];
+    if (const auto* input = std::get_if<MotionInput>(&kept)) {
+      for (SearchedMap& map : maps_) map.engine.process(*input);
+    } else if (timeOfKept(kept) > begun_s_) {
+      return &std::get<ObservationSet>(kept);
+    }
+  }
+  return nullptr;
+}
+
+void PlaceSearch::skipHopeless() {
+  while (turn_ < maps_.size() && maps_[turn_].is_hopeless) ++turn_;
+}
+
+void PlaceSearch::finishScan(double time_s) {
+  ++next_;
+  turn_ = 0;
+  time_s_ = time_s;
+  weighMaps();
+  judgeMaps();
+  restartIfDue();
+}
+
+/// By how well each explains the last scans.
+void PlaceSearch::weighMaps() {
+  double greatest = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < maps_.size(); ++i) {
+    if (maps_[i].is_hopeless || maps_[i].log_likelihood <= greatest) continue;
+    greatest = maps_[i].log_likelihood;
+    best_ = i;
+  }
+  if (!std::isfinite(greatest)) return;
+  ++scans_;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < maps_.size(); ++i) {
+    SearchedMap& map = maps_[i];
+    const double behind = greatest - map.log_likelihood;
+    shares_[i] = map.is_hopeless ? 0.0 : std::exp(-behind);
+    sum += shares_[i];
+    if (scans_ >= config_.recent_scans && behind > kHopeless) map.is_hopeless = true;
+  }
+  for (double& share : shares_) share /= sum;
+}
+
+/// The best map's outcome, unless another one knows a place that explains the last scans, too.
+void PlaceSearch::judgeMaps() {
+  outcome_ = maps_[best_].outcome;
+  pose_.reset();
+  if (!outcome_ || outcome_->modes.empty()) return;
+  pose_ = spreadOfAll();
+  outcome_->particles = 0;
+  for (const SearchedMap& map : maps_) {
+    if (!map.is_hopeless && map.outcome) outcome_->particles += map.outcome->particles;
+  }
+  if (outcome_->converged && hasRivalMap()) {
+    outcome_->converged = false;
+    outcome_->doubt = "a place in another part of the map explains the last scans nearly as well";
+  }
+}
+
+PosePrior PlaceSearch::spreadOfAll() const {
+  PosePrior pose{outcome_->T_map_base, Eigen::Matrix3d::Zero()};
+  double sum = 0.0;
+  for (std::size_t i = 0; i < maps_.size(); ++i) {
+    if (shares_[i] <= 0.0) continue;
+    const Pose2& T_map_local = maps_[i].engine.map().T_map_local;
+    for (const ParticleMode& mode : maps_[i].outcome->modes) {
+      const double share = shares_[i] * mode.share;
+      Eigen::Vector3d apart = (T_map_local * mode.mean).vector() - pose.mean.vector();
+      apart.z() = wrapAngle(apart.z());
+      pose.covariance += share * (turned(mode.covariance, T_map_local) + apart * apart.transpose());
+      sum += share;
+    }
+  }
+  pose.covariance /= sum;
+  return pose;
+}
+
+bool PlaceSearch::hasRivalMap() const {
+  const double of_best = maps_[best_].log_likelihood;
+  return std::any_of(maps_.begin(), maps_.end(), [&](const SearchedMap& map) {
+    if (map.is_hopeless || !std::isfinite(map.log_likelihood)) return false;
+    const Pose2 apart = inverse(outcome_->T_map_base) * map.outcome->T_map_base;
+    const bool is_elsewhere = apart.position().norm() > config_.rival_distance_m ||
+                              std::abs(apart.yaw_rad) > config_.rival_angle_rad;
+    return is_elsewhere && of_best - map.log_likelihood < config_.convergence.rival_margin;
+  });
+}
+
+/// The vehicle may have driven from one map into another, or have seen too little at first.
+void PlaceSearch::restartIfDue() {
+  const bool is_found = outcome_ && outcome_->converged;
+  if (!anywhere_ || is_found || time_s_ - restarted_s_ <= config_.neighbourhoods.restart_s) return;
+  restarted_s_ = time_s_;
+  scans_ = 0;
+  for (SearchedMap& map : maps_) {
+    map.is_hopeless = false;
+    map.engine.beginGlobally(LocalMap(map.engine.map()), time_s_);
+  }
 }
 
 std::string PlaceSearch::findGap(double from_s) const {

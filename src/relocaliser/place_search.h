@@ -16,40 +16,58 @@ namespace hymm::core {
 /// What a search begins with.
 struct SearchStart {
   double from_s = 0.0;             ///< stamp of the scan that `estimate` is of
-  VehicleAmongLandmarks estimate;  ///< as the filter has it at that scan
+  double now_s = 0.0;              ///< stamp of the scan at which the search was ordered
+  VehicleAmongLandmarks estimate;  ///< as the filter has it at from_s
   Calibration calibration;         ///< of the motion input, likewise
 };
 
-/// Runs the Relocaliser on what the sensors say. Keeps what they said lately, because a search
-/// begins only after doubt has lasted, yet at the scan before that. Deterministic. Not
-/// thread-safe.
+/// Looks for the vehicle in what the sensors say, by one Relocaliser in each local map that it may
+/// be in. Keeps what they said lately, because a search begins only after doubt has lasted, yet at
+/// the scan before that. What is taken waits until work() does it, piece by piece; the outcome does
+/// not depend on when that is. Deterministic. Not thread-safe.
 class PlaceSearch {
  public:
   PlaceSearch(const RelocaliserConfig& config, const VehicleConfig& vehicle);
 
-  /// Both in order of time. The outcome of a set while a search is on.
+  /// Both in order of time.
   void take(const MotionInput& input);
-  std::optional<RelocaliserOutcome> take(const ObservationSet& set);
+  void take(const ObservationSet& set);
 
   /// Begins a search around the estimate, moved on by dead reckoning, in place of one that is on,
   /// with what was kept of the last `replay_s`. False, and no search is on, if that cannot be;
   /// `problem` says why.
   bool begin(const SearchStart& start, std::string& problem);
-  /// The same anywhere among landmarks, from the last `replay_s` on. What it finds is a first
-  /// guess: errors that the landmarks have in common are not taken for such.
-  bool beginAnywhere(const std::vector<LandmarkEstimate>& landmarks, const Calibration& calibration,
-                     std::string& problem);
+  /// The same anywhere in any of `maps`. What has not converged within restart_s begins anew.
+  bool beginAnywhere(const std::vector<LocalMap>& maps, const Calibration& calibration,
+                     double now_s, std::string& problem);
   void end();
   /// The same, and forgets what was kept: another recording begins.
   void reset();
 
-  bool isOn() const { return engine_.has_value(); }
-  /// Of the last set; nothing before the first that was good enough to begin with.
+  /// What came of a call of work().
+  enum class Progress {
+    kNothingWaits,
+    kPieceDone,  ///< a part of a scan was done
+    kScanDone    ///< a scan is done: outcome() and pose() are of it
+  };
+  /// One scan in one map.
+  Progress work();
+
+  bool isOn() const { return !maps_.empty(); }
+  /// Why the search that was on had to be ended; empty if it did not.
+  const std::string& failure() const { return failure_; }
+  /// Stamp of the scan that was done last.
+  double time_s() const { return time_s_; }
+  /// Of that scan, by the map that explains all scans best; nothing if the scan told too little.
   const std::optional<RelocaliserOutcome>& outcome() const { return outcome_; }
-  /// The engine of the search that is on; null if none is.
-  const Relocaliser* engine() const { return engine_ ? &*engine_ : nullptr; }
+  /// The heaviest mode, map frame, with the spread of all modes of all maps around it.
+  const std::optional<PosePrior>& pose() const { return pose_; }
+  /// Of the map that explains all scans best; null if no search is on.
+  const Relocaliser* engine() const { return isOn() ? &maps_[best_].engine : nullptr; }
   /// Stamp from which the search that is on uses what was observed.
   double begun_s() const { return begun_s_; }
+  /// Maps that are still looked in.
+  std::size_t mapsLeft() const;
 
   /// The way that ends at the last outcome's pose: where the vehicle was, by dead reckoning back
   /// from there, at the scans later than `from_s`.
@@ -58,18 +76,45 @@ class PlaceSearch {
  private:
   using Kept = std::variant<MotionInput, ObservationSet>;
 
+  struct SearchedMap {
+    Relocaliser engine;
+    std::optional<RelocaliserOutcome> outcome;  ///< of the scan that is being done
+    double log_likelihood = 0.0;  ///< of the last scans at its heaviest mode; -inf without one
+    bool is_hopeless = false;     ///< others explain what is seen far better
+  };
+
   void keep(Kept kept);
   std::string findGap(double from_s) const;
-  void start(LocalMap map, bool anywhere);
+  void addEngine();
+  void beginAt(double now_s, double earliest_s);
+  const ObservationSet* nextSet();
+  void skipHopeless();
+  void finishScan(double time_s);
+  void weighMaps();
+  void judgeMaps();
+  PosePrior spreadOfAll() const;
+  bool hasRivalMap() const;
+  void restartIfDue();
 
   RelocaliserConfig config_;
   VehicleConfig vehicle_;
-  std::uint64_t searches_ = 0;
-  std::deque<Kept> kept_;  ///< the last history_s, in order of time
+  std::uint64_t engines_ = 0;  ///< made so far
+  std::deque<Kept> kept_;      ///< the last history_s, in order of time
+  std::size_t first_kept_ = 0;
   Calibration calibration_;
   double begun_s_ = 0.0;
-  std::optional<Relocaliser> engine_;
+  double restarted_s_ = 0.0;
+  bool anywhere_ = false;
+  std::vector<SearchedMap> maps_;
+  std::vector<double> shares_;  ///< of the weight, by map
+  std::size_t next_ = 0;        ///< of what was kept, counted from the start: to be done next
+  std::size_t turn_ = 0;        ///< the map that does it next
+  std::size_t best_ = 0;
+  int scans_ = 0;  ///< that told something since the maps began
+  double time_s_ = 0.0;
+  std::string failure_;
   std::optional<RelocaliserOutcome> outcome_;
+  std::optional<PosePrior> pose_;
 };
 
 /// The estimate after the vehicle has moved by `motion`, to first order.

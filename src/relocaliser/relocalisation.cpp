@@ -4,37 +4,14 @@
 #include <cmath>
 #include <utility>
 
-#include "common/angles.h"
-
 namespace hymm::core {
 namespace {
-
-// Deviations of a place found among all landmarks, around which it is looked for again: much more
-// than the particles', whose map left out what errors landmarks have in common.
-constexpr double kConfirmDeviation_m = 2.0;
-constexpr double kConfirmDeviation_rad = 0.1;
 
 // Landmarks that the filter is asked for; the map is made of the nearest of them.
 constexpr std::size_t kMostAsked = 400;
 
 double largestDeviation(const Eigen::Matrix3d& covariance) {
   return std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
-}
-
-/// The heaviest mode, with the spread of all around it, map frame.
-PosePrior poseOf(const std::vector<ParticleMode>& modes, const Pose2& T_map_local) {
-  const Pose2& best = modes.front().mean;
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  double share = 0.0;
-  for (const ParticleMode& mode : modes) {
-    Eigen::Vector3d apart = mode.mean.vector() - best.vector();
-    apart.z() = wrapAngle(apart.z());
-    spread += mode.share * (mode.covariance + apart * apart.transpose());
-    share += mode.share;
-  }
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = T_map_local.rotation();
-  return {T_map_local * best, turn * spread * turn.transpose() / share};
 }
 
 }  // namespace
@@ -47,37 +24,41 @@ Relocalisation::Relocalisation(const RelocaliserConfig& config, const VehicleCon
 
 void Relocalisation::take(const MotionInput& input) { search_.take(input); }
 
-const SearchReport& Relocalisation::take(const ObservationSet& observations,
-                                         const PoseEstimate& pose) {
+void Relocalisation::take(const ObservationSet& observations, const PoseEstimate& pose) {
   poses_.push_back(pose);
   while (poses_.front().time_s < pose.time_s - config_.history_s) poses_.pop_front();
-  report_.time_s = pose.time_s;
+  search_.take(observations);
+  if (!search_.failure().empty()) tell(SearchState::kFailed, search_.failure());
+  if (search_.isOn() || !middles_.empty()) return;
   report_.outcome.reset();
   report_.pose.reset();
-  const bool was_on = search_.isOn();
-  const std::optional<RelocaliserOutcome> outcome = search_.take(observations);
-  if (!was_on) return report_;
-  if (!outcome) {
-    tell(SearchState::kSearching, "The scan tells too little to look for the place by.");
-    return report_;
-  }
-  tellOutcome();
-  if (!outcome->converged) return report_;
-  if (report_.anywhere) {
-    confirm();
-  } else {
-    resume();
-  }
-  return report_;
+  report_.time_s = pose.time_s;
+  is_news_ = true;
 }
 
-void Relocalisation::tellOutcome() {
-  const RelocaliserOutcome& outcome = search_.outcome().value();
-  report_.outcome = outcome;
-  if (!outcome.modes.empty()) {
-    report_.pose = poseOf(outcome.modes, search_.engine()->map().T_map_local);
+bool Relocalisation::work() {
+  if (!middles_.empty()) {
+    makeNextMap();
+    return true;
   }
-  tell(SearchState::kSearching, outcome.converged ? "The place is found." : outcome.doubt);
+  const PlaceSearch::Progress progress = search_.work();
+  if (progress == PlaceSearch::Progress::kScanDone) tellScan();
+  return progress != PlaceSearch::Progress::kNothingWaits;
+}
+
+void Relocalisation::tellScan() {
+  report_.time_s = search_.time_s();
+  report_.outcome = search_.outcome();
+  report_.pose = search_.pose();
+  if (!report_.outcome) {
+    tell(SearchState::kSearching, "The scan tells too little to look for the place by.");
+  } else if (report_.outcome->converged && report_.time_s > order_.from_s) {
+    resume();
+  } else if (report_.outcome->converged) {
+    tell(SearchState::kSearching, "The place is found, and the filter goes on at the next scan.");
+  } else {
+    tell(SearchState::kSearching, report_.outcome->doubt);
+  }
 }
 
 void Relocalisation::wish(const SearchWish& wish) {
@@ -85,15 +66,17 @@ void Relocalisation::wish(const SearchWish& wish) {
   ++wishes_;
 }
 
-const SearchReport& Relocalisation::begin(const SearchOrder& order) {
+void Relocalisation::begin(const SearchOrder& order) {
+  stop();
   order_ = order;
+  // The clock of one who orders by hand may be another than that of the recording.
+  if (!poses_.empty()) order_.given_s = std::min(order_.given_s, poses_.back().time_s);
+  order_.given_s = std::max(order_.given_s, order_.from_s);
   report_.order = order.number;
-  report_.anywhere = false;
-  search_.end();
   const std::string problem = filter_.suspend(order.from_s);
   if (!problem.empty()) {
     tell(SearchState::kFailed, problem);
-    return report_;
+    return;
   }
   const std::optional<SearchWish> wish = std::exchange(wish_, std::nullopt);
   is_elsewhere_ = wish.has_value();
@@ -102,7 +85,6 @@ const SearchReport& Relocalisation::begin(const SearchOrder& order) {
   } else {
     beginFromFilter();
   }
-  return report_;
 }
 
 void Relocalisation::beginAround(const SearchWish& wish) {
@@ -118,7 +100,7 @@ void Relocalisation::beginAround(const SearchWish& wish) {
   }
   known->estimate.vehicle = *wish.around;
   known->estimate.cross_covariance.resize(0, 0);  // the operator does not look at landmarks
-  startSearch({order_.from_s, std::move(known->estimate), known->calibration});
+  startSearch({order_.from_s, order_.given_s, std::move(known->estimate), known->calibration});
 }
 
 void Relocalisation::beginFromFilter() {
@@ -131,7 +113,11 @@ void Relocalisation::beginFromFilter() {
          "(history_s), or was before this node listened.");
     return;
   }
-  const double way_m = (poses_.back().T_map_base.position() - then->T_map_base.position()).norm();
+  // Those that came after the order are left aside: how many depends on the machine.
+  const auto now = std::find_if(poses_.rbegin(), poses_.rend(), [&](const PoseEstimate& pose) {
+    return pose.time_s <= order_.given_s;
+  });
+  const double way_m = (now->T_map_base.position() - then->T_map_base.position()).norm();
   std::string problem;
   std::optional<FilterKnowledge> known =
       askNear({then->T_map_base, then->covariance}, way_m, problem);
@@ -139,22 +125,60 @@ void Relocalisation::beginFromFilter() {
     tell(SearchState::kFailed, problem);
     return;
   }
-  startSearch({order_.from_s, std::move(known->estimate), known->calibration});
+  startSearch({order_.from_s, order_.given_s, std::move(known->estimate), known->calibration});
 }
 
 void Relocalisation::beginAnywhere() {
+  report_.anywhere = true;
+  landmarks_.clear();
+  for (const LandmarkEstimate& landmark : filter_.landmarks()) {
+    if (landmark.first_seen_s <= order_.from_s) landmarks_.push_back(landmark);
+  }
+  middles_ = findMiddles(landmarks_, config_.neighbourhoods.spacing_m);
+  const auto most = static_cast<std::size_t>(config_.neighbourhoods.most);
+  if (middles_.empty()) {
+    tell(SearchState::kFailed, "The map has no landmarks to find a place by.");
+  } else if (middles_.size() > most) {
+    const std::string needed = std::to_string(middles_.size());
+    middles_.clear();
+    tell(SearchState::kFailed, "To look anywhere in this map takes " + needed +
+                                   " local maps, more than " + std::to_string(most) +
+                                   " (neighbourhoods/most). Say roughly where the vehicle is "
+                                   "(initialpose).");
+  } else {
+    tell(SearchState::kSearching, "Local maps are made of all landmarks.");
+  }
+}
+
+void Relocalisation::makeNextMap() {
+  const Eigen::Vector2d middle = middles_.back();
+  middles_.pop_back();
   std::string problem;
-  const std::vector<LandmarkEstimate> landmarks = filter_.landmarks();
   const std::optional<FilterKnowledge> known =
-      landmarks.empty() ? std::nullopt : filter_.ask({landmarks.front().id}, problem);
-  if (landmarks.empty()) problem = "The map has no landmarks to find a place by.";
-  if (!known || !search_.beginAnywhere(landmarks, known->calibration, problem)) {
+      filter_.ask(landmarksAround(middle, landmarks_, config_.local_map), problem);
+  if (!known) {
+    stop();
+    tell(SearchState::kFailed, problem);
+    return;
+  }
+  calibration_ = known->calibration;
+  std::optional<LocalMap> map =
+      tryMakeNeighbourhood(known->estimate.landmarks, middle, config_.neighbourhoods.spacing_m,
+                           config_.local_map, problem);
+  if (map) maps_.push_back(std::move(*map));
+  if (middles_.empty()) searchInMaps();
+}
+
+void Relocalisation::searchInMaps() {
+  std::string problem = "Nowhere do two landmarks know each other well enough to find a place by.";
+  const std::vector<LocalMap> maps = std::exchange(maps_, {});
+  if (maps.empty() || !search_.beginAnywhere(maps, calibration_, order_.given_s, problem)) {
     tell(SearchState::kFailed, problem);
     return;
   }
   ++searches_;
-  report_.anywhere = true;
-  tell(SearchState::kSearching, "The search has begun, anywhere among the landmarks.");
+  tell(SearchState::kSearching, "The search has begun, anywhere among the landmarks, in " +
+                                    std::to_string(maps.size()) + " local maps.");
 }
 
 std::optional<FilterKnowledge> Relocalisation::askNear(const PosePrior& place, double way_m,
@@ -188,27 +212,7 @@ void Relocalisation::startSearch(const SearchStart& start) {
     return;
   }
   ++searches_;
-  report_.anywhere = false;
   tell(SearchState::kSearching, "The search has begun.");
-}
-
-void Relocalisation::confirm() {
-  const std::vector<PlaceAtScan> way = search_.wayFrom(search_.begun_s());
-  PosePrior place{way.front().T_map_base, Eigen::Matrix3d::Zero()};
-  place.covariance.diagonal() << kConfirmDeviation_m * kConfirmDeviation_m,
-      kConfirmDeviation_m * kConfirmDeviation_m, kConfirmDeviation_rad * kConfirmDeviation_rad;
-  const double way_m =
-      (way.back().T_map_base.position() - way.front().T_map_base.position()).norm();
-  std::string problem;
-  std::optional<FilterKnowledge> known = askNear(place, way_m, problem);
-  if (!known) {
-    search_.end();
-    tell(SearchState::kFailed, problem);
-    return;
-  }
-  known->estimate.vehicle = place;
-  known->estimate.cross_covariance.resize(0, 0);
-  startSearch({way.front().time_s, std::move(known->estimate), known->calibration});
 }
 
 void Relocalisation::resume() {
@@ -218,14 +222,21 @@ void Relocalisation::resume() {
   tell(answer.accepted ? SearchState::kAccepted : SearchState::kRefused, answer.sentence);
 }
 
-void Relocalisation::end() {
+void Relocalisation::stop() {
   search_.end();
-  wish_.reset();
+  middles_.clear();
+  maps_.clear();
   report_.anywhere = false;
+}
+
+void Relocalisation::end() {
+  stop();
+  wish_.reset();
   tell(SearchState::kIdle, "No search is on.");
 }
 
 void Relocalisation::reset() {
+  stop();
   search_.reset();
   poses_.clear();
   wish_.reset();
@@ -236,6 +247,7 @@ void Relocalisation::reset() {
 void Relocalisation::tell(SearchState state, std::string reason) {
   report_.state = state;
   report_.reason = std::move(reason);
+  is_news_ = true;
 }
 
 }  // namespace hymm::core

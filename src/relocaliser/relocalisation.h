@@ -4,6 +4,8 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cekf/cekf_slam.h"
 #include "relocaliser/filter_link.h"
@@ -20,6 +22,7 @@ struct SearchWish {
 struct SearchOrder {
   std::uint64_t number = 0;  ///< grows from order to order
   double from_s = 0.0;       ///< stamp of the last scan that was in good order: T0
+  double given_s = 0.0;      ///< stamp of the scan at which it was given
 };
 
 enum class SearchState {
@@ -44,8 +47,9 @@ struct SearchReport {
 
 /// Finds the vehicle again, from the supervisor's order to the filter's return: takes the filter
 /// back to the last scan in good order, searches around its estimate of that moment, and hands back
-/// the way when it believes itself. The engine of the node `relocaliser`, live and offline.
-/// Deterministic. Not thread-safe.
+/// the way when it believes itself. The engine of the node `relocaliser`, live and offline. What it
+/// takes waits until work() does it, a bounded piece at a time, and what comes of it does not
+/// depend on when that is. Deterministic. Not thread-safe.
 class Relocalisation {
  public:
   /// `filter` outlives it.
@@ -54,35 +58,42 @@ class Relocalisation {
   /// In order of time.
   void take(const MotionInput& input);
   /// What the filter took of a scan, and its pose then.
-  const SearchReport& take(const ObservationSet& observations, const PoseEstimate& pose);
+  void take(const ObservationSet& observations, const PoseEstimate& pose);
+
+  /// A piece of what is to be done: one local map is made, or one scan looked at in one of them.
+  /// False if nothing was left to do.
+  bool work();
 
   /// The next order is to look there.
   void wish(const SearchWish& wish);
   /// Wishes since construction.
   std::uint64_t wishes() const { return wishes_; }
 
-  const SearchReport& begin(const SearchOrder& order);
+  void begin(const SearchOrder& order);
   /// The search is over: another filter is in charge, or none.
   void end();
   /// Another recording, or a new map, begins.
   void reset();
 
   const SearchReport& report() const { return report_; }
+  /// Whether the report has changed since this was asked last.
+  bool takeNews() { return std::exchange(is_news_, false); }
   const PlaceSearch& search() const { return search_; }
   std::uint64_t searches() const { return searches_; }
 
  private:
+  void stop();
   void beginAround(const SearchWish& wish);
   void beginFromFilter();
   void beginAnywhere();
-  /// A place was found among all landmarks: looks again there, in a map that is conservative.
-  void confirm();
+  void makeNextMap();
+  void searchInMaps();
+  void tellScan();
   void resume();
   std::optional<FilterKnowledge> askNear(const PosePrior& place, double way_m,
                                          std::string& problem);
   void startSearch(const SearchStart& start);
   void tell(SearchState state, std::string reason);
-  void tellOutcome();
 
   RelocaliserConfig config_;
   FilterLink& filter_;
@@ -93,7 +104,12 @@ class Relocalisation {
   std::uint64_t searches_ = 0;
   SearchOrder order_;
   bool is_elsewhere_ = false;  ///< an operator asked: the filter's pose is not to be believed
+  std::vector<LandmarkEstimate> landmarks_;  ///< of which local maps are being made
+  std::vector<Eigen::Vector2d> middles_;     ///< of local maps that are still to be made
+  std::vector<LocalMap> maps_;               ///< made for a search anywhere
+  Calibration calibration_;
   SearchReport report_;
+  bool is_news_ = true;
 };
 
 }  // namespace hymm::core

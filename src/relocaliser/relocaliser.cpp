@@ -96,6 +96,11 @@ std::optional<RelocaliserOutcome> Relocaliser::process(const ObservationSet& set
   return outcome;
 }
 
+double Relocaliser::logLikelihoodAt(const Pose2& place) const {
+  return core::logLikelihoodAt(place, map_.landmarks, recent_.points(), viewArea_m2(),
+                               config_.density);
+}
+
 void Relocaliser::start(const std::vector<ObservedPoint>& points) {
   const DensityMap density(map_.landmarks, points, viewArea_m2(), config_.density);
   const HelicalRegions regions = regionsOf(points);

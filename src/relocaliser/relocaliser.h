@@ -60,6 +60,9 @@ class Relocaliser {
   /// Nothing before begin(), and for a set that is refused or too poor to begin with.
   std::optional<RelocaliserOutcome> process(const ObservationSet& set);
 
+  /// How well the last scans together are explained from a place (local frame), as a log likelihood
+  /// that is zero where nothing is explained.
+  double logLikelihoodAt(const Pose2& place) const;
   const ParticleSet& particles() const { return filter_.particles(); }
   const LocalMap& map() const { return map_; }
   /// Where the vehicle may be by its prior and the motion up to the last scan, local frame;

@@ -7,7 +7,7 @@ void RelocaliserConfig::describe(ConfigSchema& schema) {
   schema.integer("initial_particles", initial_particles, Range::between(1000, 5000000),
                  "particles at the start");
   schema.integer("global_particles", global_particles, Range::between(1000, 5000000),
-                 "particles at the start where the vehicle may be anywhere");
+                 "the same in each local map, where the vehicle may be anywhere");
   schema.integer("initial_observations", initial_observations, Range::between(2, 100),
                  "fewest observations of the scan that begins");
   schema.number("prior_inflation", prior_inflation, Range::between(1.0, 100.0),
@@ -34,7 +34,7 @@ void RelocaliserConfig::describe(ConfigSchema& schema) {
       "replay_s", replay_s, Range::between(0.0, 3600.0),
       "of what was kept, what a search begins with; before it, the motion moves the prior");
   schema.group("local_map", local_map);
-  schema.group("whole_map", whole_map);
+  schema.group("neighbourhoods", neighbourhoods);
   schema.group("density", density);
   schema.group("particles", particles);
   schema.group("convergence", convergence);

@@ -4,8 +4,8 @@
 #include "relocaliser/convergence.h"
 #include "relocaliser/density_map.h"
 #include "relocaliser/local_map.h"
+#include "relocaliser/neighbourhoods.h"
 #include "relocaliser/particle_filter.h"
-#include "relocaliser/whole_map.h"
 
 namespace hymm::core {
 
@@ -13,8 +13,8 @@ namespace hymm::core {
 struct RelocaliserConfig {
   int seed = 0;  ///< of all randomness
   int initial_particles = 50000;
-  int global_particles = 400000;  ///< where the vehicle may be anywhere
-  int initial_observations = 3;   ///< a scan with fewer does not begin
+  int global_particles = 50000;  ///< in each local map, where the vehicle may be anywhere
+  int initial_observations = 3;  ///< a scan with fewer does not begin
   /// Times the covariance of the prior: a filter that has to be relocalised was surer than it
   /// should.
   double prior_inflation = 4.0;
@@ -28,7 +28,7 @@ struct RelocaliserConfig {
   double history_s = 180.0;  ///< how long what the sensors said is kept
   double replay_s = 10.0;    ///< of it, what a search begins with
   LocalMapConfig local_map;
-  WholeMapConfig whole_map;
+  NeighbourhoodConfig neighbourhoods;
   DensityConfig density;
   ParticleFilterConfig particles;
   ConvergenceConfig convergence;

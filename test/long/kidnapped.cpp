@@ -15,15 +15,13 @@
 #include "cekf/cekf_slam.h"
 #include "datasets/acfr_recording.h"
 #include "pipeline/suite_config.h"
-#include "relocaliser/global_search.h"
 #include "relocaliser/neighbourhoods.h"
+#include "relocaliser/place_search.h"
 
 namespace hymm {
 namespace {
 
 constexpr int kMoments = 10;
-constexpr double kSpacing_m = 20.0;   // between the middles of local maps
-constexpr double kRestart_s = 10.0;   // of a search that has not converged
 constexpr double kLongest_s = 120.0;  // of an attempt
 constexpr int kFewestForReference = 3;
 
@@ -97,33 +95,52 @@ std::optional<core::Pose2> referencePose(const Scan& scan, const core::LandmarkM
 
 double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+std::vector<core::LocalMap> makeMaps(const Drive& drive, const core::RelocaliserConfig& config) {
+  std::vector<core::LocalMap> maps;
+  const double spacing_m = config.neighbourhoods.spacing_m;
+  for (const auto& middle : core::findMiddles(drive.map.landmarks, spacing_m)) {
+    std::string problem;
+    auto map =
+        core::tryMakeNeighbourhood(drive.joint, middle, spacing_m, config.local_map, problem);
+    if (map) maps.push_back(std::move(*map));
+  }
+  return maps;
+}
+
 /// Looks for the vehicle from a scan on; prints what came of it.
-void kidnap(const Drive& drive, std::size_t first, core::GlobalSearch& search, int moment) {
+void kidnap(const Drive& drive, std::size_t first, const std::vector<core::LocalMap>& maps,
+            core::PlaceSearch& search, int moment) {
   const double begun_s = drive.scans[first].set.time_s, cpu_begun_s = cpu_s();
-  search.begin(begun_s);
-  const std::size_t contradictions = search.contradictions();
+  search.reset();
+  std::string problem;
   std::size_t scans = 0;
+  bool is_begun = false;
   auto input = drive.motion.begin();
   for (std::size_t i = first + 1; i < drive.scans.size(); ++i) {
     const Scan& scan = drive.scans[i];
     const double time_s = scan.set.time_s;
     if (time_s - begun_s > kLongest_s) break;
     for (; input != drive.motion.end() && core::timeOf(*input) <= time_s; ++input) {
-      if (core::timeOf(*input) > begun_s - 1.0) search.process(*input);
+      if (core::timeOf(*input) > begun_s - 1.0) search.take(*input);
+    }
+    search.take(scan.set);
+    if (!is_begun) search.beginAnywhere(maps, drive.calibration, begun_s, problem);
+    is_begun = true;
+    while (search.work() != core::PlaceSearch::Progress::kNothingWaits) {
     }
     ++scans;
-    const auto found = search.process(scan.set);
-    if (!found) continue;
+    const auto& found = search.outcome();
+    if (!found || !found->converged) continue;
     const auto reference = referencePose(scan, drive.map);
     const core::Pose2 truth = reference.value_or(scan.online);
     const core::Pose2 error = core::inverse(truth) * found->T_map_base;
     std::printf("%d,%g,1,%g,%zu,%g,%g,%d,%g,%zu\n", moment, begun_s, time_s - begun_s, scans,
                 error.position().norm(), error.yaw_rad, reference ? 1 : 0, cpu_s() - cpu_begun_s,
-                search.contradictions() - contradictions);
+                search.mapsLeft());
     return;
   }
   std::printf("%d,%g,0,nan,%zu,nan,nan,0,%g,%zu\n", moment, begun_s, scans, cpu_s() - cpu_begun_s,
-              search.contradictions() - contradictions);
+              search.mapsLeft());
 }
 
 void run(const std::string& archive, const std::vector<std::string>& configs) {
@@ -131,19 +148,16 @@ void run(const std::string& archive, const std::vector<std::string>& configs) {
   core::SuiteConfig suite = core::loadSuiteConfig(configs, report);
   report.throwIfUnusable();
   const Drive drive = driveAll(core::readAcfr({archive}), suite);
-  core::RelocaliserConfig config;
-  config.global_particles = 50000;  // in each local map
-  const auto maps = core::makeNeighbourhoods(drive.joint, kSpacing_m, config.local_map);
+  core::RelocaliserConfig config = suite.relocaliser;
+  config.replay_s = 0.0;  // nothing of before is known
+  const std::vector<core::LocalMap> maps = makeMaps(drive, config);
   std::fprintf(stderr, "%zu scans, %zu landmarks, %zu local maps\n", drive.scans.size(),
                drive.map.landmarks.size(), maps.size());
-  core::GlobalSearch search(config, suite.vehicle, drive.calibration, maps, kRestart_s,
-                            core::RandomGenerator(1));
-  std::puts(
-      "moment,time_s,found,after_s,scans,error_m,yaw_error_rad,by_landmarks,cpu_s,"
-      "contradictions");
+  core::PlaceSearch search(config, suite.vehicle);
+  std::puts("moment,time_s,found,after_s,scans,error_m,yaw_error_rad,by_landmarks,cpu_s,maps_left");
   for (int moment = 0; moment < kMoments; ++moment) {
     const auto part = static_cast<std::size_t>(2 * moment + 1);
-    kidnap(drive, part * drive.scans.size() / (2 * kMoments), search, moment);
+    kidnap(drive, part * drive.scans.size() / (2 * kMoments), maps, search, moment);
     std::fflush(stdout);
   }
 }

@@ -39,6 +39,14 @@ def grove(seed=3, count=45, half_width=45.0, separation=5.0):
     return trees
 
 
+def wait_for(condition, what, longest_s=60.0):
+    deadline = time.monotonic() + longest_s
+    while not condition():
+        if time.monotonic() > deadline:
+            raise TimeoutError("waited in vain for " + what)
+        time.sleep(0.05)
+
+
 class Robot:
     """Drives a circle among trees and reports their ranges and bearings."""
 
@@ -56,8 +64,8 @@ class Robot:
         transform.transform.translation.x = LASER_X
         transform.transform.rotation.w = 1.0
         self.static.publish(TFMessage([transform]))
-        while self.motion.get_num_connections() < 3 or self.detections.get_num_connections() < 1:
-            time.sleep(0.05)
+        wait_for(lambda: self.motion.get_num_connections() >= 3 and self.detections.get_num_connections() >= 1,
+                 "those who take motion and detections")
 
     def step(self):
         self.time_s += STEP_S
@@ -109,8 +117,7 @@ class RelocaliserTest(unittest.TestCase):
         cls.initial = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=10)
         cls.robot = Robot()
         cls.robot.drive(330)  # once round
-        while cls.initial.get_num_connections() < 1:
-            time.sleep(0.05)
+        wait_for(lambda: cls.initial.get_num_connections() >= 1, "the relocaliser")
 
     def drive_until(self, condition, what, steps=150):
         for _ in range(steps):
@@ -179,10 +186,12 @@ class RelocaliserTest(unittest.TestCase):
         self.assertIn("landmarks", self.statuses[-1].reason)
 
     @staticmethod
-    def kill(node):
+    def process_of(node):
         uri = rosgraph.Master("/relocaliser_test").lookupNode("/" + node)
-        process = xmlrpc.client.ServerProxy(uri).getPid("/relocaliser_test")[2]
-        os.kill(process, signal.SIGKILL)
+        return xmlrpc.client.ServerProxy(uri).getPid("/relocaliser_test")[2]
+
+    def kill(self, node):
+        os.kill(self.process_of(node), signal.SIGKILL)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,10 @@ class Filters:
         rospy.Service("resume", Resume, self.resume)
         rospy.Subscriber("filter_status", FilterStatus, self.obey)
         publishers = (self.pose, self.health, self.search, self.found, self.tf)
+        deadline = time.monotonic() + 60.0
         while any(publisher.get_num_connections() < 1 for publisher in publishers):
+            if time.monotonic() > deadline:
+                raise TimeoutError("nobody listens to the filters")
             time.sleep(0.05)
         threading.Thread(target=self.beat, daemon=True).start()
 

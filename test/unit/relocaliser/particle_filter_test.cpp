@@ -139,6 +139,22 @@ TEST(DensityMap, GivesTheLogarithmOfLandmarksAgainstClutter) {
   EXPECT_EQ(density.logValueAt(0, {-20.0, 50.0}), 0.0);
 }
 
+TEST(DensityMap, AgreesWithTheSumThatTakesNoTables) {
+  const std::vector<LocalLandmark> landmarks{{0, {5.0, 2.0}, 0.04 * Eigen::Matrix2d::Identity()},
+                                             {1, {5.5, 2.2}, 0.01 * Eigen::Matrix2d::Identity()},
+                                             {2, {9.0, -3.0}, 0.09 * Eigen::Matrix2d::Identity()}};
+  const std::vector<ObservedPoint> points{{{4.0F, 1.0F}, 0.3, 5.0}, {{8.1F, -4.0F}, 0.3, 9.0}};
+  const DensityConfig config;
+  const DensityMap map(landmarks, points, 1000.0, config);
+  for (const Pose2& pose : {Pose2{1.0, 1.0, 0.0}, Pose2{0.9, 1.1, 0.02}, Pose2{-20.0, 7.0, 1.0}}) {
+    double by_tables = 0.0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      by_tables += map.logValueAt(k, pose * points[k].p_base_point.cast<double>());
+    }
+    EXPECT_NEAR(logLikelihoodAt(pose, landmarks, points, 1000.0, config), by_tables, 0.4);
+  }
+}
+
 TEST(DensityMap, WithoutLandmarksOrPointsIsEvenEverywhere) {
   const DensityMap none({}, {pointAt(1.0, 0.0)}, 100.0, {});
   EXPECT_EQ(none.logValueAt(0, {1.0, 0.0}), 0.0);

@@ -1,11 +1,11 @@
 #include "relocaliser/relocalisation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include <gmock/gmock.h>
 
-#include "relocaliser/whole_map.h"
 #include "support/shipped_config.h"
 
 namespace hymm::core {
@@ -77,7 +77,8 @@ class StandingFilter : public FilterLink {
 /// A vehicle that drives straight on, up to where the filter has lost it, and beyond.
 class RelocalisationTest : public ::testing::Test {
  protected:
-  RelocalisationTest() : relocalisation_({}, config(), filter_) {}
+  explicit RelocalisationTest(const RelocaliserConfig& search = {})
+      : relocalisation_(search, config(), filter_) {}
 
   static VehicleConfig config() {
     VehicleConfig config;
@@ -101,6 +102,12 @@ class RelocalisationTest : public ::testing::Test {
 
   /// The filter has the vehicle `error_` beside where it is.
   const SearchReport& scan() {
+    scanLater();
+    return workOff();
+  }
+
+  /// The same, on a machine that has no time for it.
+  void scanLater() {
     relocalisation_.take(TwistInput{time_s_, kSpeed_mps, 0.0, 0.0, std::nullopt});
     time_s_ += kScanPeriod_s;
     pose_ = pose_ * Pose2{kSpeed_mps * kScanPeriod_s, 0.0, 0.0};
@@ -112,7 +119,18 @@ class RelocalisationTest : public ::testing::Test {
       filter_.vehicle.mean = estimate.T_map_base;
       good_s_ = time_s_;
     }
-    return relocalisation_.take(seen(), estimate);
+    relocalisation_.take(seen(), estimate);
+  }
+
+  const SearchReport& workOff() {
+    while (relocalisation_.work()) {
+    }
+    return relocalisation_.report();
+  }
+
+  const SearchReport& begin(std::uint64_t number, double from_s) {
+    relocalisation_.begin({number, from_s, time_s_});
+    return relocalisation_.report();
   }
 
   void driveIntoDoubt() {
@@ -139,7 +157,7 @@ TEST_F(RelocalisationTest, SaysNothingUntilItIsAsked) {
 
 TEST_F(RelocalisationTest, FindsTheVehicleFromTheLastGoodScanAndHandsBackTheWay) {
   driveIntoDoubt();
-  const SearchReport begun = relocalisation_.begin({7, good_s_});
+  const SearchReport begun = begin(7, good_s_);
   EXPECT_EQ(begun.state, SearchState::kSearching);
   EXPECT_EQ(begun.order, 7U);
   EXPECT_EQ(filter_.suspended_s, good_s_);
@@ -160,9 +178,9 @@ TEST_F(RelocalisationTest, FindsTheVehicleFromTheLastGoodScanAndHandsBackTheWay)
 
 TEST_F(RelocalisationTest, TellsAPoseNearTheTruthWhileItSearches) {
   driveIntoDoubt();
-  relocalisation_.begin({1, good_s_});
-  const SearchReport& report = scan();
-  ASSERT_TRUE(report.pose);
+  begin(1, good_s_);
+  while (!relocalisation_.report().pose) ASSERT_TRUE(relocalisation_.work());
+  const SearchReport& report = workOff();
   EXPECT_LT((report.pose->mean.position() - pose_.position()).norm(), 0.3);
   EXPECT_GT(report.pose->covariance.diagonal().minCoeff(), 0.0);
 }
@@ -170,7 +188,7 @@ TEST_F(RelocalisationTest, TellsAPoseNearTheTruthWhileItSearches) {
 TEST_F(RelocalisationTest, SaysWhatTheFilterRefused) {
   filter_.accepts = false;
   driveIntoDoubt();
-  relocalisation_.begin({1, good_s_});
+  begin(1, good_s_);
   EXPECT_EQ(driveUntilDecided().state, SearchState::kRefused);
   EXPECT_EQ(relocalisation_.report().reason, "It does not fit.");
 }
@@ -178,20 +196,20 @@ TEST_F(RelocalisationTest, SaysWhatTheFilterRefused) {
 TEST_F(RelocalisationTest, FailsWithTheFiltersReasonWhereThatCannotGoBack) {
   filter_.problem = "The scan is not kept.";
   driveIntoDoubt();
-  EXPECT_EQ(relocalisation_.begin({1, good_s_}).state, SearchState::kFailed);
+  EXPECT_EQ(begin(1, good_s_).state, SearchState::kFailed);
   EXPECT_EQ(relocalisation_.report().reason, "The scan is not kept.");
 }
 
 TEST_F(RelocalisationTest, FailsWhereItDidNotListenYet) {
   scan();
-  EXPECT_EQ(relocalisation_.begin({1, -50.0}).state, SearchState::kFailed);
+  EXPECT_EQ(begin(1, -50.0).state, SearchState::kFailed);
   EXPECT_THAT(relocalisation_.report().reason, HasSubstr("not known"));
 }
 
 TEST_F(RelocalisationTest, FailsInAMapOfOneLandmark) {
   filter_.known.resize(1);
   driveIntoDoubt();
-  EXPECT_EQ(relocalisation_.begin({1, good_s_}).state, SearchState::kFailed);
+  EXPECT_EQ(begin(1, good_s_).state, SearchState::kFailed);
   EXPECT_THAT(relocalisation_.report().reason, HasSubstr("two at least"));
 }
 
@@ -202,58 +220,111 @@ TEST_F(RelocalisationTest, LooksWhereAnOperatorPointsTo) {
   pointed.covariance.diagonal() << 1.0, 1.0, 0.02;
   relocalisation_.wish({pointed});
   EXPECT_EQ(relocalisation_.wishes(), 1U);
-  relocalisation_.begin({1, time_s_});
-  EXPECT_EQ(driveUntilDecided().state, SearchState::kAccepted) << relocalisation_.report().reason;
+  begin(1, time_s_);
+  ASSERT_EQ(driveUntilDecided().state, SearchState::kAccepted) << relocalisation_.report().reason;
   EXPECT_TRUE(filter_.is_elsewhere);
   EXPECT_NEAR(filter_.way.back().T_map_base.x_m, pose_.x_m, 0.2);
 }
 
-TEST_F(RelocalisationTest, LooksAnywhereAndThenConfirmsThePlace) {
+TEST_F(RelocalisationTest, LooksAnywhereInSeveralLocalMaps) {
   error_ = {-30.0, 20.0, 1.0};
   driveIntoDoubt();
   relocalisation_.wish({});
-  EXPECT_TRUE(relocalisation_.begin({1, time_s_}).anywhere);
-  EXPECT_EQ(driveUntilDecided().state, SearchState::kAccepted) << relocalisation_.report().reason;
-  EXPECT_FALSE(relocalisation_.report().anywhere);
-  EXPECT_EQ(relocalisation_.searches(), 2U);
+  EXPECT_TRUE(begin(1, time_s_).anywhere);
+  std::size_t maps = 0;
+  while (relocalisation_.work()) maps = std::max(maps, relocalisation_.search().mapsLeft());
+  EXPECT_GT(maps, 2U);
+  ASSERT_EQ(driveUntilDecided().state, SearchState::kAccepted) << relocalisation_.report().reason;
+  EXPECT_EQ(relocalisation_.searches(), 1U);
   EXPECT_TRUE(filter_.is_elsewhere);
   EXPECT_NEAR(filter_.way.back().T_map_base.x_m, pose_.x_m, 0.2);
+}
+
+class FewMaps : public RelocalisationTest {
+ protected:
+  FewMaps() : RelocalisationTest(few()) {}
+  static RelocaliserConfig few() {
+    RelocaliserConfig config;
+    config.neighbourhoods.most = 2;
+    return config;
+  }
+};
+
+TEST_F(FewMaps, AreTooFewToLookAnywhereInALargeMap) {
+  driveIntoDoubt();
+  relocalisation_.wish({});
+  EXPECT_EQ(begin(1, time_s_).state, SearchState::kFailed);
+  EXPECT_THAT(relocalisation_.report().reason, HasSubstr("initialpose"));
+  EXPECT_FALSE(relocalisation_.work());
+}
+
+TEST_F(RelocalisationTest, FindsTheSameHoweverFarBehindItIs) {
+  const auto run = [](bool at_once) {
+    RelocalisationTest_FindsTheSameHoweverFarBehindItIs_Test test;
+    test.driveIntoDoubt();
+    test.relocalisation_.wish({});
+    test.begin(1, test.time_s_);
+    if (at_once) test.workOff();
+    for (int i = 0; i < 15; ++i) {
+      test.scanLater();
+      if (at_once) test.workOff();
+    }
+    test.workOff();
+    EXPECT_EQ(test.relocalisation_.report().state, SearchState::kAccepted);
+    return test.filter_.way;
+  };
+  const std::vector<PlaceAtScan> now = run(true), later = run(false);
+  ASSERT_EQ(now.size(), later.size());
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    EXPECT_EQ(now[i].time_s, later[i].time_s);
+    EXPECT_EQ(now[i].T_map_base.vector(), later[i].T_map_base.vector());
+  }
+}
+
+TEST_F(RelocalisationTest, StopsBetweenTwoPieces) {
+  driveIntoDoubt();
+  relocalisation_.wish({});
+  begin(1, time_s_);
+  for (int i = 0; i < 8; ++i) ASSERT_TRUE(relocalisation_.work());
+  relocalisation_.end();
+  EXPECT_FALSE(relocalisation_.work());
+  EXPECT_EQ(relocalisation_.report().state, SearchState::kIdle);
+}
+
+class ShortHistory : public RelocalisationTest {
+ protected:
+  ShortHistory() : RelocalisationTest(forgetful()) {}
+  static RelocaliserConfig forgetful() {
+    RelocaliserConfig config;
+    config.history_s = 10.0;
+    return config;
+  }
+};
+
+TEST_F(ShortHistory, EndsASearchThatCannotKeepUp) {
+  driveIntoDoubt();
+  begin(1, good_s_);
+  while (time_s_ < 20.0) scanLater();
+  EXPECT_EQ(relocalisation_.report().state, SearchState::kFailed);
+  EXPECT_THAT(relocalisation_.report().reason, HasSubstr("cannot keep up"));
 }
 
 TEST_F(RelocalisationTest, WishLapsesWhereTheCekfIsInCharge) {
   driveIntoDoubt();
   relocalisation_.wish({});
   relocalisation_.end();
-  EXPECT_FALSE(relocalisation_.begin({1, good_s_}).anywhere);
+  EXPECT_FALSE(begin(1, good_s_).anywhere);
 }
 
 TEST_F(RelocalisationTest, SameMessagesGiveTheSameAnswer) {
   const auto run = [] {
     RelocalisationTest_SameMessagesGiveTheSameAnswer_Test test;
     test.driveIntoDoubt();
-    test.relocalisation_.begin({1, test.good_s_});
-    test.scan();
+    test.begin(1, test.good_s_);
+    for (int i = 0; i < 20; ++i) test.relocalisation_.work();
     return test.relocalisation_.report().pose->mean.vector();
   };
   EXPECT_EQ(run(), run());
-}
-
-TEST(WholeMap, LeavesOutWhatIsHardlyKnown) {
-  std::vector<LandmarkEstimate> landmarks(3);
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    landmarks[i].id = static_cast<int>(i);
-    landmarks[i].observations = 20;
-    landmarks[i].covariance = 0.01 * Eigen::Matrix2d::Identity();
-  }
-  landmarks[1].covariance *= 1e6;
-  std::string problem;
-  const auto map = tryMakeWholeMap(landmarks, {}, problem);
-  ASSERT_TRUE(map);
-  EXPECT_EQ(map->landmarks.size(), 2U);
-  EXPECT_EQ(map->T_map_local.vector(), Eigen::Vector3d(0.0, 0.0, 0.0));
-  landmarks[0].observations = 1;
-  EXPECT_FALSE(tryMakeWholeMap(landmarks, {}, problem));
-  EXPECT_THAT(problem, HasSubstr("1 landmark"));
 }
 
 TEST(RelocaliserConfig, IsDocumentedByItsShippedFile) {
