@@ -132,9 +132,11 @@ void SupervisorNode::process(const FilterAnswer& answer) {
   evidence_ = core::evidenceAtScan(fromMessage(answer.health));
   const core::PoseEstimate pose = fromMessage(answer.pose);
   evidence_.scan.disagreement = agreement_.disagreementAt(pose.time_s);
-  evidence_.scan.old_landmarks_expected = core::countOldLandmarksInView(
+  const core::OldLandmarksInView old = core::countOldLandmarksInView(
       landmarks_.map().landmarks, pose.T_map_base * pose.T_base_sensor, pose.time_s,
       config_.old_landmarks);
+  evidence_.scan.old_landmarks_expected = old.expected;
+  evidence_.scan.unseen = old.unseenShare();
   decide(header.stamp);
 }
 

@@ -53,6 +53,9 @@ class OfflineRun {
   /// Landmarks of the map that the run ended with.
   LandmarkMap landmarkMap() { return filter_.landmarkMap(0.0); }
 
+  /// Who was in charge of the last scan, and why; null without a supervisor.
+  const SupervisorStage* supervisor() const { return supervisor_; }
+
   /// The part of the totals that the engines know.
   RunTotals totals() const;
 

@@ -62,9 +62,11 @@ SupervisorEvidence SupervisorStage::evidenceOf(const ScanStep& step) {
   const PoseEstimate& pose = step.outcome.pose;
   SupervisorEvidence evidence = evidenceAtScan(step.outcome.health);
   evidence.scan.disagreement = agreement_.disagreementAt(pose.time_s);
-  evidence.scan.old_landmarks_expected =
+  const OldLandmarksInView old =
       countOldLandmarksInView(landmarks_.map().landmarks, pose.T_map_base * pose.T_base_sensor,
                               pose.time_s, config_.old_landmarks);
+  evidence.scan.old_landmarks_expected = old.expected;
+  evidence.scan.unseen = old.unseenShare();
   if (relocaliser_ != nullptr) evidence.relocaliser = evidenceFrom(relocaliser_->report());
   return evidence;
 }

@@ -141,20 +141,20 @@ void PlaceSearch::reset() {
 
 std::size_t PlaceSearch::mapsLeft() const {
   return static_cast<std::size_t>(std::count_if(
-      maps_.begin(), maps_.end(), [](const SearchedMap& map) { return !map.is_hopeless; }));
+      maps_.begin(), maps_.end(), [](const SearchedMap& map) { return !map.is_left; }));
 }
 
 PlaceSearch::Progress PlaceSearch::work() {
   if (!isOn()) return Progress::kNothingWaits;
   const ObservationSet* set = nextSet();
   if (set == nullptr) return Progress::kNothingWaits;
-  skipHopeless();
+  skipLeft();
   SearchedMap& map = maps_[turn_++];
   map.outcome = map.engine.process(*set);
   const bool has_place = map.outcome && !map.outcome->modes.empty();
   map.log_likelihood = has_place ? map.engine.logLikelihoodAt(map.outcome->modes.front().mean)
                                  : -std::numeric_limits<double>::infinity();
-  skipHopeless();
+  skipLeft();
   if (turn_ < maps_.size()) return Progress::kPieceDone;
   finishScan(set->time_s);
   return Progress::kScanDone;
@@ -173,8 +173,8 @@ const ObservationSet* PlaceSearch::nextSet() {
   return nullptr;
 }
 
-void PlaceSearch::skipHopeless() {
-  while (turn_ < maps_.size() && maps_[turn_].is_hopeless) ++turn_;
+void PlaceSearch::skipLeft() {
+  while (turn_ < maps_.size() && maps_[turn_].is_left) ++turn_;
 }
 
 void PlaceSearch::finishScan(double time_s) {
@@ -190,7 +190,7 @@ void PlaceSearch::finishScan(double time_s) {
 void PlaceSearch::weighMaps() {
   double greatest = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < maps_.size(); ++i) {
-    if (maps_[i].is_hopeless || maps_[i].log_likelihood <= greatest) continue;
+    if (maps_[i].is_left || maps_[i].log_likelihood <= greatest) continue;
     greatest = maps_[i].log_likelihood;
     best_ = i;
   }
@@ -200,11 +200,24 @@ void PlaceSearch::weighMaps() {
   for (std::size_t i = 0; i < maps_.size(); ++i) {
     SearchedMap& map = maps_[i];
     const double behind = greatest - map.log_likelihood;
-    shares_[i] = map.is_hopeless ? 0.0 : std::exp(-behind);
+    shares_[i] = map.is_left ? 0.0 : std::exp(-behind);
     sum += shares_[i];
-    if (scans_ >= config_.recent_scans && behind > kHopeless) map.is_hopeless = true;
+    if (scans_ < config_.recent_scans || i == best_) continue;
+    if (behind > kHopeless || isSamePlace(map)) map.is_left = true;
   }
   for (double& share : shares_) share /= sum;
+}
+
+/// Whether the map has found nothing but what the best one knows better.
+bool PlaceSearch::isSamePlace(const SearchedMap& map) const {
+  const auto& best = maps_[best_].outcome;
+  return map.outcome && map.outcome->held_scans > 0 && best->held_scans > 0 &&
+         !isElsewhere(inverse(best->T_map_base) * map.outcome->T_map_base);
+}
+
+bool PlaceSearch::isElsewhere(const Pose2& apart) const {
+  return apart.position().norm() > config_.rival_distance_m ||
+         std::abs(apart.yaw_rad) > config_.rival_angle_rad;
 }
 
 /// The best map's outcome, unless another one knows a place that explains the last scans, too.
@@ -215,7 +228,7 @@ void PlaceSearch::judgeMaps() {
   pose_ = spreadOfAll();
   outcome_->particles = 0;
   for (const SearchedMap& map : maps_) {
-    if (!map.is_hopeless && map.outcome) outcome_->particles += map.outcome->particles;
+    if (!map.is_left && map.outcome) outcome_->particles += map.outcome->particles;
   }
   if (outcome_->converged && hasRivalMap()) {
     outcome_->converged = false;
@@ -244,11 +257,9 @@ PosePrior PlaceSearch::spreadOfAll() const {
 bool PlaceSearch::hasRivalMap() const {
   const double of_best = maps_[best_].log_likelihood;
   return std::any_of(maps_.begin(), maps_.end(), [&](const SearchedMap& map) {
-    if (map.is_hopeless || !std::isfinite(map.log_likelihood)) return false;
+    if (map.is_left || !std::isfinite(map.log_likelihood)) return false;
     const Pose2 apart = inverse(outcome_->T_map_base) * map.outcome->T_map_base;
-    const bool is_elsewhere = apart.position().norm() > config_.rival_distance_m ||
-                              std::abs(apart.yaw_rad) > config_.rival_angle_rad;
-    return is_elsewhere && of_best - map.log_likelihood < config_.convergence.rival_margin;
+    return isElsewhere(apart) && of_best - map.log_likelihood < config_.convergence.rival_margin;
   });
 }
 
@@ -259,7 +270,7 @@ void PlaceSearch::restartIfDue() {
   restarted_s_ = time_s_;
   scans_ = 0;
   for (SearchedMap& map : maps_) {
-    map.is_hopeless = false;
+    map.is_left = false;
     map.engine.beginGlobally(LocalMap(map.engine.map()), time_s_);
   }
 }

@@ -80,7 +80,7 @@ class PlaceSearch {
     Relocaliser engine;
     std::optional<RelocaliserOutcome> outcome;  ///< of the scan that is being done
     double log_likelihood = 0.0;  ///< of the last scans at its heaviest mode; -inf without one
-    bool is_hopeless = false;     ///< others explain what is seen far better
+    bool is_left = false;         ///< others explain what is seen far better, or know its place
   };
 
   void keep(Kept kept);
@@ -88,11 +88,13 @@ class PlaceSearch {
   void addEngine();
   void beginAt(double now_s, double earliest_s);
   const ObservationSet* nextSet();
-  void skipHopeless();
+  void skipLeft();
   void finishScan(double time_s);
   void weighMaps();
   void judgeMaps();
   PosePrior spreadOfAll() const;
+  bool isSamePlace(const SearchedMap& map) const;
+  bool isElsewhere(const Pose2& apart) const;
   bool hasRivalMap() const;
   void restartIfDue();
 

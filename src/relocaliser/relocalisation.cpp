@@ -68,6 +68,7 @@ void Relocalisation::wish(const SearchWish& wish) {
 
 void Relocalisation::begin(const SearchOrder& order) {
   stop();
+  const bool is_retry = order_.number > 0 && order.from_s == order_.from_s;
   order_ = order;
   // The clock of one who orders by hand may be another than that of the recording.
   if (!poses_.empty()) order_.given_s = std::min(order_.given_s, poses_.back().time_s);
@@ -79,9 +80,11 @@ void Relocalisation::begin(const SearchOrder& order) {
     return;
   }
   const std::optional<SearchWish> wish = std::exchange(wish_, std::nullopt);
-  is_elsewhere_ = wish.has_value();
+  is_elsewhere_ = wish || is_retry;
   if (wish) {
     beginAround(*wish);
+  } else if (is_retry) {  // it is not where the filter would have it
+    beginAnywhere();
   } else {
     beginFromFilter();
   }
@@ -240,6 +243,7 @@ void Relocalisation::reset() {
   search_.reset();
   poses_.clear();
   wish_.reset();
+  order_ = {};
   report_ = {};
   tell(SearchState::kIdle, "No search is on.");
 }

@@ -69,6 +69,8 @@ class Relocalisation {
   /// Wishes since construction.
   std::uint64_t wishes() const { return wishes_; }
 
+  /// Looks around the filter's estimate, or where was wished; anywhere if a search from the same
+  /// scan came to nothing.
   void begin(const SearchOrder& order);
   /// The search is over: another filter is in charge, or none.
   void end();

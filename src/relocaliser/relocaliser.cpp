@@ -49,6 +49,7 @@ void Relocaliser::beginGlobally(LocalMap map, double time_s) {
   started_ = false;
   time_s_.reset();
   held_.clear();
+  is_unrivalled_ = false;
   ++counts_.begun;
 }
 
@@ -149,12 +150,16 @@ RelocaliserOutcome Relocaliser::judge(const std::vector<ObservedPoint>& points,
   if (outcome.doubt.empty()) {
     held_.add(outcome.explanation, motion_.T_begin_end().position().norm());
     outcome.doubt = findDoubt(held_, config_.convergence);
-    if (outcome.doubt.empty() && hasRival(outcome.modes.front().mean, points)) {
+    if (outcome.doubt.empty() && !is_unrivalled_) {
+      is_unrivalled_ = !hasRival(outcome.modes.front().mean, points);
+    }
+    if (outcome.doubt.empty() && !is_unrivalled_) {
       ++counts_.rivals;
       outcome.doubt = "another place explains the last scans nearly as well";
     }
   } else {
     held_.clear();
+    is_unrivalled_ = false;
   }
   outcome.held_scans = held_.scans();
   outcome.converged = outcome.doubt.empty();

@@ -92,6 +92,7 @@ class Relocaliser {
   bool started_ = false;  ///< particles are there
   std::optional<double> time_s_;
   HeldEvidence held_;
+  bool is_unrivalled_ = false;  ///< since the evidence is held
   Counts counts_;
 };
 

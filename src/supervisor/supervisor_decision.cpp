@@ -1,7 +1,17 @@
 #include "supervisor/supervisor_decision.h"
 
+#include <cmath>
+
+#include "common/number_text.h"
+
 namespace hymm::core {
 namespace {
+
+// Doubt that lasts is that of several scans, however long the time between them.
+constexpr int kFewestSuspicious = 3;
+
+// Stamps of a sensor's scans are not spaced to the bit.
+constexpr double kSameTime_s = 1e-3;
 
 /// A change of mode, or none.
 struct Transition {
@@ -36,12 +46,16 @@ std::string because(const std::string& what, std::string why) {
 Transition fromCekf(const SupervisorState& state, const SupervisorEvidence& evidence,
                     const SupervisorConfig& config) {
   const std::string suspicion = findSuspicion(evidence.scan, config.suspicion);
-  const int needed = isArmed(evidence.scan, config.suspicion)
-                         ? config.switching.armed_suspicious_scans
-                         : config.switching.suspicious_scans;
-  if (suspicion.empty() || state.suspicious_scans < needed) return stay(FilterMode::kCekf);
+  const double needed_s = isArmed(evidence.scan, config.suspicion)
+                              ? config.switching.armed_suspicious_s
+                              : config.switching.suspicious_s;
+  const double lasting_s = evidence.time_s - state.good_order_s;
+  const bool lasts = !suspicion.empty() && state.suspicious_scans >= kFewestSuspicious &&
+                     lasting_s > needed_s - kSameTime_s;
+  if (!lasts) return stay(FilterMode::kCekf);
   const std::string told =
-      "For " + std::to_string(state.suspicious_scans) + " scans in a row " + suspicion + ".";
+      "For " + std::to_string(state.suspicious_scans) + " scans in a row, over " +
+      numberText(std::round(10.0 * lasting_s) / 10.0) + " s, " + suspicion + ".";
   if (!hears(evidence.relocaliser, config)) {
     return stay(FilterMode::kCekf, "The CEKF is in charge, though suspicious. " + told +
                                        " No relocaliser runs that could find the place.");
@@ -191,6 +205,7 @@ std::vector<EvidenceFigure> figuresOf(const SupervisorEvidence& evidence,
           {"unexplained", scan.unexplained, limits.unexplained},
           {"missed", scan.missed, limits.missed},
           {"disagreement", scan.disagreement, limits.disagreement},
+          {"unseen", scan.unseen, limits.unseen},
           {"old_landmarks_expected", static_cast<double>(scan.old_landmarks_expected),
            static_cast<double>(limits.old_landmarks)},
           {"position_deviation_m", scan.position_deviation_m, limits.armed_deviation_m},
@@ -236,10 +251,12 @@ void SwitchingConfig::describe(ConfigSchema& schema) {
       "automatic", automatic,
       "the relocaliser takes over when the CEKF is suspicious; else only by order (set_mode, "
       "global_localization, initialpose), and suspicion is only told");
-  schema.integer("suspicious_scans", suspicious_scans, Range::between(1, 10000),
-                 "suspicious scans in a row after which the relocaliser takes over");
-  schema.integer("armed_suspicious_scans", armed_suspicious_scans, Range::between(1, 10000),
-                 "the same while the deviation is large");
+  schema.number(
+      "suspicious_s", suspicious_s, Range::positive(),
+      "by stamps since the last scan that was not suspicious, three scans at least, after "
+      "which the relocaliser takes over");
+  schema.number("armed_suspicious_s", armed_suspicious_s, Range::positive(),
+                "the same while the deviation is large");
   schema.number("relocalise_timeout_s", relocalise_timeout_s, Range::positive(),
                 "longest attempt to relocalise");
   schema.number("retry_interval_s", retry_interval_s, Range::notNegative(),
@@ -260,6 +277,7 @@ SupervisorEvidence evidenceAtScan(const FilterHealth& health) {
                    health.ambiguity,
                    health.unexplained,
                    health.missed,
+                   0.0,
                    0.0,
                    0,
                    health.position_deviation_m,

@@ -20,8 +20,8 @@ std::string nameOf(FilterMode mode);
 /// How long doubt has to last, and how often the relocaliser is asked.
 struct SwitchingConfig {
   bool automatic = false;              ///< else only by order; doubt is told either way
-  int suspicious_scans = 10;           ///< in a row that switch
-  int armed_suspicious_scans = 3;      ///< the same while the deviation is large
+  double suspicious_s = 2.0;           ///< by stamps, since the last scan in good order
+  double armed_suspicious_s = 0.6;     ///< the same while the deviation is large
   double relocalise_timeout_s = 30.0;  ///< longest attempt
   double retry_interval_s = 10.0;      ///< between attempts
   int max_attempts = 3;                ///< then on with the CEKF, without closing the loop
@@ -87,7 +87,7 @@ struct EvidenceFigure {
 struct SupervisorState {
   FilterMode mode = FilterMode::kInitialising;
   double since_s = 0.0;       ///< when the mode began
-  int suspicious_scans = 0;   ///< in a row
+  int suspicious_scans = 0;   ///< in a row, the last of them
   int attempts = 0;           ///< to relocalise since the CEKF was last in good order
   double not_before_s = 0.0;  ///< when the next attempt may begin
   double good_order_s = 0.0;  ///< stamp of the last scan of the CEKF that was not suspicious: T0

@@ -15,6 +15,10 @@ void SuspicionConfig::describe(ConfigSchema& schema) {
                 "lack of correlation of scan and stored grid that is suspicious");
   schema.number("unexplained", unexplained, Range::between(0.0, 1.0),
                 "share of unexplained observations that is suspicious");
+  schema.number(
+      "unseen", unseen, Range::between(0.0, 1.0),
+      "share of the old landmarks that should be in view, but have not been seen lately, that "
+      "is suspicious");
   schema.integer("old_landmarks", old_landmarks, Range::between(1, 1000),
                  "old landmarks that should be in view for any of these shares to count");
   schema.number("armed_deviation_m", armed_deviation_m, Range::positive(),
@@ -42,6 +46,7 @@ std::string findSuspicion(const ScanEvidence& scan, const SuspicionConfig& confi
   if (scan.ambiguity > config.ambiguity) return "observations are ambiguous";
   if (scan.missed > config.missed) return "landmarks that should be in view are not seen";
   if (scan.disagreement > config.disagreement) return "the scan contradicts the stored grid";
+  if (scan.unseen > config.unseen) return "old landmarks that should be in view are not seen";
   if (scan.unexplained > config.unexplained) {
     return "old landmarks should be in view, but what is seen is none of them";
   }

@@ -13,6 +13,7 @@ struct SuspicionConfig {
   double missed = 0.7;               ///< share of the landmarks that should have been seen
   double disagreement = 0.5;         ///< of the scan and the stored grid, see GridAgreement
   double unexplained = 0.8;          ///< share of observations that no landmark explains
+  double unseen = 0.9;               ///< share of old landmarks that have not been seen lately
   int old_landmarks = 3;             ///< that should be in view for any share to count
   double armed_deviation_m = 1.0;    ///< of the position: arms, and never switches by itself
   double armed_deviation_rad = 0.1;  ///< of the heading, likewise
@@ -28,6 +29,7 @@ struct ScanEvidence {
   double unexplained = 0.0;
   double missed = 0.0;
   double disagreement = 0.0;  ///< 0 where there is no grid yet
+  double unseen = 0.0;        ///< share of the old landmarks expected
   int old_landmarks_expected = 0;
   double position_deviation_m = 0.0;
   double heading_deviation_rad = 0.0;

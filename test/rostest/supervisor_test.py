@@ -13,8 +13,8 @@ from hymm.srv import Resume, ResumeRequest, ResumeResponse, SetMode
 from tf2_msgs.msg import TFMessage
 
 BAD_NIS = 60.0  # of 4 degrees of freedom
-SUSPICIOUS_SCANS = 10  # switching/suspicious_scans
 SCAN_S = 0.2
+SUSPICIOUS_SCANS = 10  # as long as switching/suspicious_s
 
 
 class Filters:

@@ -332,6 +332,31 @@ TEST(Resumption, KeepsAsManyScansAsItWasTold) {
   EXPECT_FALSE(slam.localStates());
 }
 
+TEST(Resumption, ReadingTheMapReleasesNothing) {
+  const Recording recording = record(180);
+  CekfSlam slam = newSlam(), read = newSlam();
+  std::size_t updates_pending = 0;
+  for (const SensorEvent& event : recording.events) {
+    if (timeOf(event) > kEnd_s) break;
+    slam.process(event);
+    if (!read.process(event)) continue;
+    const bool was_pending = read.isGlobalUpdatePending();
+    EXPECT_FALSE(read.landmarkMap(30.0).landmarks.empty() && read.landmarkCount() > 0);
+    EXPECT_EQ(read.isGlobalUpdatePending(), was_pending);
+    updates_pending += was_pending ? 1U : 0U;
+  }
+  EXPECT_GT(updates_pending, 10U);
+  EXPECT_EQ(read.counts().forgotten_states, 0U);
+  ASSERT_EQ(read.localStates()->oldest_s, slam.localStates()->oldest_s);
+  const double oldest_s = slam.localStates()->oldest_s;
+  ASSERT_TRUE(slam.suspend(oldest_s));
+  ASSERT_TRUE(read.suspend(oldest_s));
+  const Joint a = jointOf(slam), b = jointOf(read);
+  EXPECT_EQ(a.ids, b.ids);
+  EXPECT_TRUE(a.mean == b.mean);
+  EXPECT_TRUE(a.covariance == b.covariance);
+}
+
 TEST(Resumption, GivesUpTheOldestScansWhenTheActivePartIsFull) {
   const Recording recording = record(100);
   CekfSlamConfig small = config();

@@ -240,6 +240,18 @@ TEST_F(RelocalisationTest, LooksAnywhereInSeveralLocalMaps) {
   EXPECT_NEAR(filter_.way.back().T_map_base.x_m, pose_.x_m, 0.2);
 }
 
+TEST_F(RelocalisationTest, LooksAnywhereWhereItFoundNothingAroundTheFiltersPlace) {
+  error_ = {-30.0, 20.0, 1.0};  // the vehicle was carried
+  driveIntoDoubt();
+  EXPECT_FALSE(begin(1, good_s_).anywhere);
+  for (int i = 0; i < 5; ++i) ASSERT_NE(scan().state, SearchState::kAccepted);
+  relocalisation_.end();
+  EXPECT_TRUE(begin(2, good_s_).anywhere);
+  ASSERT_EQ(driveUntilDecided().state, SearchState::kAccepted) << relocalisation_.report().reason;
+  EXPECT_TRUE(filter_.is_elsewhere);
+  EXPECT_NEAR(filter_.way.back().T_map_base.x_m, pose_.x_m, 0.2);
+}
+
 class FewMaps : public RelocalisationTest {
  protected:
   FewMaps() : RelocalisationTest(few()) {}

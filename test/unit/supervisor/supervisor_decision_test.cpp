@@ -1,5 +1,6 @@
 #include "supervisor/supervisor_decision.h"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,19 @@ using ::testing::Field;
 using ::testing::HasSubstr;
 
 constexpr double kNow_s = 100.0;
+constexpr double kPeriod_s = 0.2;  // of scans
+
+/// Suspicious scans that last so long, one after the other.
+int scansOver(double duration_s, double period_s = kPeriod_s) {
+  return static_cast<int>(std::lround(duration_s / period_s));
+}
 
 SupervisorState stateIn(FilterMode mode, int attempts = 0) {
   SupervisorState state;
   state.mode = mode;
   state.since_s = kNow_s - 1.0;
   state.attempts = attempts;
+  state.good_order_s = kNow_s - kPeriod_s;
   return state;
 }
 
@@ -59,12 +67,13 @@ SupervisorEvidence withRelocaliser(SupervisorEvidence evidence, Search state = S
 
 /// The state after `scans` scans of the same kind.
 SupervisorDecision afterScans(SupervisorState state, SupervisorEvidence evidence, int scans,
-                              const SupervisorConfig& config = automatic()) {
+                              const SupervisorConfig& config = automatic(),
+                              double period_s = kPeriod_s) {
   SupervisorDecision decision;
   decision.state = state;
   for (int i = 0; i < scans; ++i) {
     decision = computeDecision(decision.state, evidence, config);
-    evidence.time_s += 0.2;
+    evidence.time_s += period_s;
   }
   return decision;
 }
@@ -150,14 +159,17 @@ TEST(Suspicion, FallsOnEachKindOfFailureAlone) {
   scan = among_old;
   scan.disagreement = 0.6;
   EXPECT_THAT(findSuspicion(scan, config), HasSubstr("grid"));
+  scan = among_old;
+  scan.unseen = 1.0;
+  EXPECT_THAT(findSuspicion(scan, config), HasSubstr("old landmarks"));
 }
 
 TEST(Suspicion, DoesNotFallOnExploring) {
   ScanEvidence scan = healthy().scan;
-  scan.unexplained = scan.missed = scan.ambiguity = scan.disagreement = 1.0;
+  scan.unexplained = scan.missed = scan.ambiguity = scan.disagreement = scan.unseen = 1.0;
   scan.old_landmarks_expected = 2;
   EXPECT_EQ(findSuspicion(scan, {}), "");
-  scan.missed = scan.ambiguity = scan.disagreement = 0.0;
+  scan.missed = scan.ambiguity = scan.disagreement = scan.unseen = 0.0;
   scan.old_landmarks_expected = 3;
   EXPECT_THAT(findSuspicion(scan, {}), HasSubstr("old landmarks"));
 }
@@ -184,7 +196,7 @@ TEST(Suspicion, NeverFallsOnALargeDeviationAlone) {
 TEST(SupervisorDecision, SwitchesOnlyAfterSuspicionHasLasted) {
   const SupervisorConfig config = automatic();
   const SupervisorEvidence evidence = withRelocaliser(ambiguous());
-  const int needed = config.switching.suspicious_scans;
+  const int needed = scansOver(config.switching.suspicious_s);
   EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence, needed - 1).mode, FilterMode::kCekf);
   const SupervisorDecision decision = afterScans(stateIn(FilterMode::kCekf), evidence, needed);
   EXPECT_EQ(decision.mode, FilterMode::kRelocalising);
@@ -197,20 +209,40 @@ TEST(SupervisorDecision, SwitchesSoonerWhereTheDeviationIsLarge) {
   const SupervisorConfig config = automatic();
   SupervisorEvidence evidence = withRelocaliser(ambiguous());
   evidence.scan.position_deviation_m = 3.0;
-  EXPECT_EQ(
-      afterScans(stateIn(FilterMode::kCekf), evidence, config.switching.armed_suspicious_scans)
-          .mode,
-      FilterMode::kRelocalising);
+  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence,
+                       scansOver(config.switching.armed_suspicious_s))
+                .mode,
+            FilterMode::kRelocalising);
   SupervisorEvidence uncertain = withRelocaliser(healthy());
   uncertain.scan.position_deviation_m = 3.0;
   EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), uncertain, 1000).mode, FilterMode::kCekf);
+}
+
+TEST(SupervisorDecision, SwitchesAfterTheSameTimeWhateverTheSensorsRate) {
+  const SupervisorConfig config = automatic();
+  const SupervisorEvidence evidence = withRelocaliser(ambiguous());
+  for (const double period_s : {0.05, 0.1, 0.2, 0.5}) {
+    SupervisorState state = stateIn(FilterMode::kCekf);
+    state.good_order_s = kNow_s - period_s;
+    const int needed = scansOver(config.switching.suspicious_s, period_s);
+    EXPECT_EQ(afterScans(state, evidence, needed - 1, config, period_s).mode, FilterMode::kCekf);
+    EXPECT_EQ(afterScans(state, evidence, needed, config, period_s).mode,
+              FilterMode::kRelocalising);
+  }
+}
+
+TEST(SupervisorDecision, DoesNotSwitchAfterAGapInTheScans) {
+  SupervisorEvidence evidence = withRelocaliser(ambiguous());
+  evidence.time_s = kNow_s + 60.0;
+  const SupervisorDecision after = afterScans(stateIn(FilterMode::kCekf), evidence, 2);
+  EXPECT_EQ(after.mode, FilterMode::kCekf);
 }
 
 TEST(SupervisorDecision, OneGoodScanEndsTheDoubt) {
   const SupervisorConfig config = automatic();
   const SupervisorDecision nearly =
       afterScans(stateIn(FilterMode::kCekf), withRelocaliser(ambiguous()),
-                 config.switching.suspicious_scans - 1);
+                 scansOver(config.switching.suspicious_s) - 1);
   const SupervisorDecision after =
       computeDecision(nearly.state, withRelocaliser(healthy()), config);
   EXPECT_EQ(after.state.suspicious_scans, 0);
@@ -260,7 +292,7 @@ TEST(SupervisorDecision, BeginsFromTheLastScanInGoodOrder) {
   evidence = withRelocaliser(ambiguous());
   evidence.time_s = kNow_s + 0.2;
   const SupervisorDecision begun =
-      afterScans(good.state, evidence, config.switching.suspicious_scans);
+      afterScans(good.state, evidence, scansOver(config.switching.suspicious_s));
   EXPECT_EQ(begun.action, SupervisorAction::kBeginRelocalising);
   EXPECT_EQ(begun.from_s, kNow_s);
   SupervisorEvidence silent = healthy();
@@ -354,7 +386,8 @@ class EveryDecision : public ::testing::Test {
         for (const double age_s : {0.0, 10.0, 1000.0}) {
           for (const int suspicious : {0, 2, 9}) {
             for (const double wait_s : {-1.0, 5.0}) {
-              states.push_back({mode, kNow_s - age_s, suspicious, attempts, kNow_s + wait_s});
+              states.push_back(
+                  {mode, kNow_s - age_s, suspicious, attempts, kNow_s + wait_s, kNow_s - 2.0});
             }
           }
         }
