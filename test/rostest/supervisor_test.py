@@ -26,6 +26,7 @@ class Filters:
         self.order = 0
         self.state = RelocaliserHealth.IDLE
         self.wish = 0
+        self.particles = 0
         self.is_alive = True
         self.resumed = []
         self.pose = rospy.Publisher("cekf/pose", FilterPose, queue_size=1000)
@@ -59,13 +60,14 @@ class Filters:
             time.sleep(0.1)
 
     def tell_search(self):
-        message = RelocaliserHealth(state=self.state, order=self.order, wish=self.wish,
+        message = RelocaliserHealth(state=self.state, order=self.order, wish=self.wish, particles=self.particles,
                                     reason="there is more than one mode")
         message.header.stamp = rospy.Time.from_sec(self.time_s)
         self.search.publish(message)
 
     def scan(self, nis=4.0, x=0.0, found_x=None):
         """One scan of the CEKF and, if `found_x` is given, of the relocaliser."""
+        self.particles = 0 if found_x is None else 1000  # if there are any, the supervisor waits for their pose
         self.time_s += SCAN_S
         self.scans += 1
         stamp = rospy.Time.from_sec(self.time_s)

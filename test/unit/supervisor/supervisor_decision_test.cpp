@@ -175,12 +175,8 @@ TEST(Suspicion, DoesNotFallOnExploring) {
 }
 
 TEST(SupervisorDecision, OnlyTellsOfSuspicionUnlessItMaySwitch) {
-  SupervisorState state = stateIn(FilterMode::kCekf);
-  SupervisorDecision decision;
-  for (int i = 0; i < 50; ++i) {
-    decision = computeDecision(state, withRelocaliser(ambiguous()), {});
-    state = decision.state;
-  }
+  const SupervisorDecision decision =
+      afterScans(stateIn(FilterMode::kCekf), withRelocaliser(ambiguous()), 50, {});
   EXPECT_EQ(decision.mode, FilterMode::kCekf);
   EXPECT_THAT(decision.reason, AllOf(HasSubstr("ambiguous"), HasSubstr("by order only")));
 }
