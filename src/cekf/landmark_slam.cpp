@@ -1,0 +1,459 @@
+#include "cekf/landmark_slam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cekf/landmark_requests.h"
+#include "cekf/map_snapshot.h"
+#include "cekf/relative_covariance.h"
+#include "common/cpu_timer.h"
+#include "common/gaussian.h"
+#include "perception/scan_check.h"
+
+namespace hymm::core {
+namespace {
+
+bool isUsable(const Observation& observation) {
+  return std::isfinite(observation.range_m) && observation.range_m > 0.0 &&
+         std::isfinite(observation.bearing_rad) && isCovariance(observation.covariance);
+}
+
+// Beyond the reach of a sensor and of a large correction, a landmark's place may lag behind.
+constexpr double kRefreshRadius_m = 100.0;
+
+/// Any diameter that a trunk may have is as likely as any other.
+DiameterPrior diameterPrior(const TrunkConfig& trunks) {
+  return {0.5 * (trunks.min_diameter_m + trunks.max_diameter_m),
+          (trunks.max_diameter_m - trunks.min_diameter_m) / std::sqrt(12.0)};
+}
+
+double share(int part, int whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
+}  // namespace
+
+LandmarkSlam::LandmarkSlam(const CekfSlamConfig& config, const VehicleConfig& vehicle,
+                           CekfSlam::GlobalUpdates global_updates)
+    : config_(config),
+      vehicle_config_(vehicle),
+      global_updates_(global_updates),
+      perception_(config.perception),
+      associator_(config.association, config.update.atFirstEstimates()
+                                          ? std::optional(config.update.relinearise_m)
+                                          : std::nullopt),
+      scan_update_(config.update.atFirstEstimates()
+                       ? ScanUpdate(config.update.max_iterations, config.large_correction_m)
+                       : ScanUpdate(config.update.max_iterations)),
+      life_cycle_(config.landmarks, config.association, diameterPrior(config.perception.trunks),
+                  config.update.atFirstEstimates()),
+      pins_(config.landmarks.pin_delay_s),
+      area_(config.active_area),
+      estimate_(newEstimate()) {}
+
+LandmarkSlam::Estimate LandmarkSlam::newEstimate() const {
+  VehicleState vehicle(vehicle_config_, config_.motion_input == "odom", config_.gps.enabled,
+                       config_.update.atFirstEstimates());
+  CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance(), global_updates_);
+  Estimate estimate{vehicle, std::move(filter), std::nullopt};
+  if (config_.gps.enabled) estimate.gps.emplace(config_.gps, vehicle.gpsDatumIndex());
+  estimate.filter.holdGlobalUpdates(holds_global_updates_);
+  return estimate;
+}
+
+void LandmarkSlam::reset() {
+  estimate_.filter.finishGlobalUpdate();
+  ++counts_.resets;
+  ++version_;
+  life_cycle_.clear();
+  pins_.clear();
+  area_.reset();
+  past_gaps_ += estimate_.vehicle.gaps();
+  past_worker_s_ += estimate_.filter.workerCpu_s();
+  estimate_ = newEstimate();
+  settled_updates_ = 0;
+  last_scan_s_ = -std::numeric_limits<double>::infinity();
+  use_ = MapUse::kExtend;
+  is_just_loaded_ = false;
+}
+
+// --- Events ----------------------------------------------------------------------------------
+
+std::optional<ScanOutcome> LandmarkSlam::process(const SensorEvent& event) {
+  if (const auto* input = std::get_if<MotionInput>(&event)) {
+    const CpuTimer timer(cpu_times_.filter_s);
+    takeMotion(*input);
+    return std::nullopt;
+  }
+  if (const auto* fix = std::get_if<GpsFix>(&event)) {
+    processGps(*fix);
+    return std::nullopt;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  Sight sight = see(event);
+  if (sight.set) goOnAfterLoad(sight.set->time_s);
+  sight.mustBeLaterThan(last_scan_s_);
+  if (!sight.set) return refuse(sight);
+  const CpuTimer timer(cpu_times_.filter_s);
+  return processSet(std::move(sight), start);
+}
+
+LandmarkSlam::Sight LandmarkSlam::see(const SensorEvent& event) {
+  Sight sight;
+  if (const auto* set = std::get_if<ObservationSet>(&event)) {
+    if (std::isfinite(set->time_s)) {
+      sight.set = *set;
+    } else {
+      sight.problem = "the observations' time is not finite";
+    }
+  } else if (const auto* scan = std::get_if<ScanEvent>(&event)) {
+    if (const auto problem = scanProblem(scan->scan)) {
+      sight.problem = *problem;
+      return sight;
+    }
+    const CpuTimer timer(cpu_times_.perception_s);
+    sight.scan = &scan->scan;
+    sight.set.emplace();
+    sight.set->time_s = scan->scan.time_s;
+    sight.set->T_base_sensor = scan->T_base_laser;
+    sight.set->observations = perception_.detect(scan->scan);
+  }
+  return sight;
+}
+
+void LandmarkSlam::Sight::mustBeLaterThan(double time_s) {
+  if (!set || set->time_s > time_s) return;
+  set.reset();
+  problem = scan != nullptr ? "the scan is not later than the last one"
+                            : "the observations are not later than the last ones";
+}
+
+ScanOutcome LandmarkSlam::refuse(const Sight& sight) {
+  ++counts_.refused_scans;
+  ScanOutcome outcome;
+  outcome.reason = sight.problem;
+  return outcome;
+}
+
+void LandmarkSlam::takeMotion(const MotionInput& input) {
+  goOnAfterLoad(timeOf(input));
+  if (!estimate_.vehicle.takeInput(estimate_.filter, input)) ++counts_.refused_motion;
+}
+
+void LandmarkSlam::processGps(const GpsFix& fix) {
+  if (!estimate_.gps) return;
+  const CpuTimer timer(cpu_times_.filter_s);
+  const bool usable = std::isfinite(fix.time_s) && fix.position.allFinite() &&
+                      isCovariance(fix.covariance) && fix.antenna.allFinite();
+  if (usable) goOnAfterLoad(fix.time_s);
+  if (usable) estimate_.vehicle.moveTo(estimate_.filter, fix.time_s);
+  const bool was_aligned = estimate_.gps->isAligned();
+  std::optional<UpdateOutcome> update;
+  if (usable) update = estimate_.gps->process(fix, estimate_.filter);
+  if (update) {
+    ++counts_.gps_used;
+    if (update->largest_landmark_move_m > config_.large_correction_m) {
+      life_cycle_.refreshActive(estimate_.filter);
+      spreadCorrection();
+    }
+  } else if (!usable || was_aligned) {
+    ++counts_.gps_rejected;
+  }
+}
+
+ScanOutcome LandmarkSlam::processSet(Sight sight, Instant start) {
+  ScanOutcome outcome;
+  ObservationSet& set = *sight.set;
+  begin(set);
+  ScanAssociation association =
+      associator_.associate(set, sensorPlacement(set), life_cycle_.registry(), estimate_.filter);
+  const bool updated = update(set, association, outcome);
+  finish(std::move(set), sight.scan, association, updated, start, outcome);
+  return outcome;
+}
+
+void LandmarkSlam::begin(ObservationSet& set) {
+  refuseUnusable(set);
+  last_scan_s_ = set.time_s;
+  ++version_;
+  life_cycle_.pin(pins_.at(set.time_s));
+  if (!estimate_.vehicle.hasInput()) ++counts_.scans_without_motion;
+  estimate_.vehicle.moveTo(estimate_.filter, set.time_s);
+}
+
+void LandmarkSlam::refuseUnusable(ObservationSet& set) {
+  auto& observations = set.observations;
+  const auto bad = std::remove_if(observations.begin(), observations.end(),
+                                  [](const Observation& o) { return !isUsable(o); });
+  counts_.refused_observations += static_cast<std::size_t>(observations.end() - bad);
+  observations.erase(bad, observations.end());
+}
+
+SensorPlacement LandmarkSlam::sensorPlacement(const ObservationSet& set) const {
+  return estimate_.vehicle.placement(set.T_base_sensor, estimate_.filter.vehicle());
+}
+
+/// False, and nothing is associated, if the update was refused.
+bool LandmarkSlam::update(const ObservationSet& set, ScanAssociation& association,
+                          ScanOutcome& outcome) {
+  if (association.measurements.empty()) return true;
+  const UpdateOutcome update = scan_update_.update(set, association, estimate_.vehicle,
+                                                   life_cycle_.registry(), estimate_.filter);
+  if (!std::isfinite(update.nis)) {
+    association.slots.assign(association.slots.size(), ScanAssociation::kNone);
+    return false;
+  }
+  const Eigen::VectorXd state = estimate_.filter.vehicle();
+  estimate_.filter.setVehicleState(2, wrapAngle(state[2]));
+  outcome.health.nis = update.nis;
+  outcome.health.dof = 2 * static_cast<int>(association.measurements.size());
+  outcome.largest_correction_m = update.largest_landmark_move_m;
+  return true;
+}
+
+void LandmarkSlam::finish(ObservationSet set, const LaserScan* scan,
+                          const ScanAssociation& association, bool updated, Instant start,
+                          ScanOutcome& outcome) {
+  outcome.accepted = true;
+  const SensorPlacement sensor = sensorPlacement(set);
+  if (use_ == MapUse::kExtend) {
+    extendMap(set, updated ? scan : nullptr, sensor, association, outcome);
+  } else {
+    const std::vector<int> none(association.slots.size(), ScanAssociation::kNone);
+    countObservations(association, none, 0, outcome);
+  }
+  if (outcome.largest_correction_m > config_.large_correction_m) spreadCorrection();
+  const Eigen::Matrix3d relative = covarianceAmongSeen(association);
+  keepActiveArea();
+
+  ++counts_.scans;
+  outcome.pose = pose();
+  outcome.pose.time_s = set.time_s;
+  outcome.pose.relative_covariance = relative;
+  tellSensor(sensorPlacement(set), outcome.pose);
+  describeHealth(set.time_s, start, outcome);
+  outcome.observations = std::move(set);
+}
+
+/// What a set of observations does to the landmarks beside the update.
+void LandmarkSlam::extendMap(const ObservationSet& set, const LaserScan* scan,
+                             const SensorPlacement& sensor, const ScanAssociation& association,
+                             ScanOutcome& outcome) {
+  life_cycle_.confirm(set, association, estimate_.filter);
+  const std::vector<int> created = life_cycle_.create(
+      set, sensor, association, estimate_.vehicle.linearisedAt(), estimate_.filter);
+  const int missed =
+      scan != nullptr ? life_cycle_.miss(*scan, set, sensor, association, estimate_.filter) : 0;
+  countObservations(association, created, missed, outcome);
+  outcome.largest_correction_m =
+      std::max({outcome.largest_correction_m, life_cycle_.merge(association, estimate_.filter),
+                life_cycle_.closeLoop(set.time_s, estimate_.filter)});
+  life_cycle_.refreshActive(estimate_.filter);
+}
+
+void LandmarkSlam::countObservations(const ScanAssociation& association,
+                                     const std::vector<int>& created, int missed,
+                                     ScanOutcome& outcome) {
+  const auto n = static_cast<int>(association.slots.size());
+  int associated = 0, unexplained = 0;
+  for (std::size_t i = 0; i < association.slots.size(); ++i) {
+    Association result;
+    if (association.slots[i] != ScanAssociation::kNone) {
+      result.landmark_id = life_cycle_.registry().bySlot(association.slots[i]).id;
+      ++associated;
+    } else if (created[i] != ScanAssociation::kNone) {
+      result.landmark_id = life_cycle_.registry().bySlot(created[i]).id;
+      ++unexplained;
+    } else {
+      const bool rejected = association.claimed[i] || association.ignored[i];
+      result.landmark_id = rejected ? Association::kRejected : Association::kTentative;
+      counts_.rejected += rejected ? 1U : 0U;
+      ++unexplained;
+    }
+    outcome.associations.push_back(result);
+  }
+  counts_.bounded_associations += association.complete ? 0U : 1U;
+  counts_.observations += association.slots.size();
+  counts_.associated += static_cast<std::size_t>(associated);
+  outcome.health.ambiguity = share(association.ambiguous, n);
+  outcome.health.unexplained = share(unexplained, n);
+  outcome.health.missed = share(missed, missed + associated);
+}
+
+/// Of the vehicle, while the landmarks of this scan are still active.
+Eigen::Matrix3d LandmarkSlam::covarianceAmongSeen(const ScanAssociation& association) const {
+  std::vector<int> seen;
+  for (const int slot : association.slots) {
+    const bool is_there = slot != ScanAssociation::kNone && estimate_.filter.isActive(slot);
+    if (is_there) seen.push_back(slot);  // else it was merged into another, or dropped
+  }
+  return relativeCovariance(estimate_.filter, seen);
+}
+
+/// What a large correction has moved is looked for in its new place at once, and carried to all.
+void LandmarkSlam::spreadCorrection() {
+  ++counts_.map_corrections;
+  life_cycle_.refreshNear(VehicleState::pose(estimate_.filter).position(), kRefreshRadius_m,
+                          estimate_.filter);
+  area_.demandUpdate();
+}
+
+/// Takes over what a global update that is done has made of the passive landmarks.
+void LandmarkSlam::refreshIfSettled() {
+  if (estimate_.filter.isGlobalUpdatePending()) return;
+  if (estimate_.filter.globalUpdatesDone() == settled_updates_) return;
+  settled_updates_ = estimate_.filter.globalUpdatesDone();
+  life_cycle_.refreshSettled(estimate_.filter);
+}
+
+void LandmarkSlam::keepActiveArea() {
+  const double worker_s = estimate_.filter.workerCpu_s();
+  if (area_.follow(VehicleState::pose(estimate_.filter).position())) {
+    const bool drops = use_ == MapUse::kExtend;
+    if (drops) life_cycle_.dropUnconfirmed(last_scan_s_, estimate_.filter);
+  }
+  refreshIfSettled();
+  area_.updateIfDue(estimate_.filter);
+  refreshIfSettled();
+  inline_worker_s_ += estimate_.filter.workerCpu_s() - worker_s;
+}
+
+// --- What is told ----------------------------------------------------------------------------
+
+PoseEstimate LandmarkSlam::pose() const {
+  PoseEstimate pose;
+  pose.time_s = estimate_.vehicle.time_s();
+  pose.T_map_base = VehicleState::pose(estimate_.filter);
+  pose.covariance = estimate_.filter.vehicleCovariance().topLeftCorner<3, 3>();
+  pose.relative_covariance = pose.covariance;  // what is common to all is not told apart
+  pose.map_version = version_;
+  return pose;
+}
+
+void tellSensor(const SensorPlacement& sensor, PoseEstimate& pose) {
+  pose.T_base_sensor = sensor.T_base_sensor;
+  pose.range_offset_m = sensor.range_offset_m;
+}
+
+void describeHealth(double time_s, LandmarkSlam::Instant start, ScanOutcome& outcome) {
+  FilterHealth& health = outcome.health;
+  health.time_s = time_s;
+  const Eigen::Matrix3d& P = outcome.pose.covariance;
+  health.position_deviation_m = std::sqrt(std::max(P(0, 0), P(1, 1)));
+  health.heading_deviation_rad = std::sqrt(P(2, 2));
+  const std::chrono::duration<double, std::milli> elapsed =
+      std::chrono::steady_clock::now() - start;
+  health.latency_ms = elapsed.count();
+}
+
+Calibration LandmarkSlam::calibration() const {
+  return estimate_.vehicle.calibration(estimate_.filter.vehicle());
+}
+
+Eigen::Matrix3d LandmarkSlam::calibrationCovariance() const {
+  return estimate_.vehicle.calibrationCovariance(estimate_.filter.vehicleCovariance());
+}
+
+LaserCalibration LandmarkSlam::laserCalibration() const {
+  return estimate_.vehicle.laserCalibration(estimate_.filter);
+}
+
+void LandmarkSlam::requestMap(double block_range_m, std::function<void(LandmarkMap)> take) {
+  LandmarkMap header;
+  header.version = version_;
+  header.time_s = estimate_.vehicle.time_s();
+  header.merges = life_cycle_.merges();
+  core::requestMap(life_cycle_.registry(), std::move(header), block_range_m, estimate_.filter,
+                   std::move(take));
+}
+
+bool LandmarkSlam::requestJointLandmarks(const std::vector<int>& ids,
+                                         std::function<void(JointLandmarks)> take) {
+  JointLandmarks header;
+  header.version = version_;
+  header.time_s = estimate_.vehicle.time_s();
+  header.ids = ids;
+  return core::requestJointLandmarks(life_cycle_.registry(), std::move(header), estimate_.filter,
+                                     std::move(take));
+}
+
+bool LandmarkSlam::requestVehicleAmongLandmarks(const std::vector<int>& ids,
+                                                std::function<void(VehicleAmongLandmarks)> take) {
+  VehicleAmongLandmarks header;
+  header.vehicle = {VehicleState::pose(estimate_.filter),
+                    estimate_.filter.vehicleCovariance().topLeftCorner<3, 3>()};
+  header.landmarks.version = version_;
+  header.landmarks.time_s = estimate_.vehicle.time_s();
+  header.landmarks.ids = ids;
+  return core::requestVehicleAmongLandmarks(life_cycle_.registry(), std::move(header),
+                                            estimate_.filter, std::move(take));
+}
+
+LandmarkUpdate LandmarkSlam::takeUpdate() {
+  LandmarkLifeCycle::Changes changes = life_cycle_.takeChanges();
+  LandmarkUpdate update;
+  update.since_version = std::exchange(told_version_, version_);
+  update.version = version_;
+  for (const int id : changes.changed_ids) {
+    update.changed.push_back(estimateOf(life_cycle_.registry().byId(id), estimate_.filter));
+  }
+  update.removed_ids = std::move(changes.removed_ids);
+  update.merges = std::move(changes.merges);
+  return update;
+}
+
+void LandmarkSlam::placeVehicle(const Pose2& T_map_base, const Eigen::Matrix3d& covariance) {
+  const Eigen::MatrixXd independent = Eigen::MatrixXd::Zero(3, estimate_.vehicle.size());
+  estimate_.filter.initialiseVehicleStates(0, T_map_base.vector(), independent, covariance);
+  estimate_.vehicle.linearisePositionAt(T_map_base.position());
+  ++version_;
+}
+
+LandmarkSlam::Counts LandmarkSlam::counts() const {
+  Counts counts = counts_;
+  counts.motion_gaps = past_gaps_ + estimate_.vehicle.gaps();
+  counts.landmarks_created = life_cycle_.counts().created;
+  counts.landmarks_dropped = life_cycle_.counts().dropped;
+  counts.landmarks_merged = life_cycle_.counts().merged;
+  counts.iterated_updates = scan_update_.iterated();
+  counts.area_switches = area_.counts().switches;
+  counts.global_updates = area_.counts().global_updates;
+  counts.deferred_global_updates = area_.counts().deferred;
+  counts.global_update_waits = area_.counts().waits;
+  return counts;
+}
+
+LandmarkSlam::CpuTimes LandmarkSlam::cpuTimes() const {
+  CpuTimes times = cpu_times_;
+  times.worker_s = past_worker_s_ + estimate_.filter.workerCpu_s();
+  // What an inline worker does after the last scan is not in the filter's time.
+  if (global_updates_ == CekfSlam::GlobalUpdates::kInline) times.filter_s -= inline_worker_s_;
+  return times;
+}
+
+// --- For the way back ------------------------------------------------------------------------
+
+void LandmarkSlam::holdGlobalUpdates(bool hold) {
+  holds_global_updates_ = hold;
+  estimate_.filter.holdGlobalUpdates(hold);
+  if (!hold) estimate_.filter.releaseGlobalUpdate();
+}
+
+LocalStateRing::Memory LandmarkSlam::remembered() const {
+  return std::make_shared<const FilterMemory>(
+      FilterMemory{last_scan_s_, estimate_.vehicle, estimate_.filter.localState(), estimate_.gps,
+                   life_cycle_, scan_update_, area_, settled_updates_});
+}
+
+void LandmarkSlam::recall(const FilterMemory& memory) {
+  estimate_.filter.goBackTo(memory.filter);
+  estimate_.vehicle = memory.vehicle;
+  estimate_.gps = memory.gps;
+  scan_update_ = memory.scan_update;
+  area_ = memory.area;
+  settled_updates_ = memory.settled_updates;
+  last_scan_s_ = memory.last_scan_s;
+}
+
+}  // namespace hymm::core
