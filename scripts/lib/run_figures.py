@@ -100,16 +100,15 @@ def plan_figure(results, size=(10, 10)):
     return _finished_map(figure, axes)
 
 
-def draw_plan(axes, results, places, with_portals=True):
-    """The path where landmarks are at `places`."""
+def draw_plan(axes, results, places):
+    """The path, LTRs and portals where landmarks are at `places`."""
     path = results.path_among(places)
     corners = [[places[i] for i in ltr] for ltr in results.ltrs if all(i in places for i in ltr)]
-    axes.add_collection(PolyCollection(corners, facecolors=LTR, alpha=0.1, edgecolors="none", zorder=0))
+    axes.add_collection(PolyCollection(corners, facecolors=LTR, alpha=0.08, edgecolors="none", zorder=1))
     axes.add_collection(PolyCollection(corners, facecolors="none", edgecolors=LTR, linewidths=0.4,
                                        zorder=1))
-    if with_portals:
-        axes.plot(*results.doors.T, ".", color="#e0a030", markersize=3, label="portals of doors",
-                  zorder=2)
+    axes.plot(*results.portals_among(places).T, ".", color="#e0a030", markersize=3,
+              label="portals of doors", zorder=2)
     axes.plot(*np.array(list(places.values())).T, ".", color=LANDMARK, markersize=4, label="landmarks",
               zorder=2)
     axes.plot(*path.T, "-", color=GPS, linewidth=2.0, label="plan", zorder=3)

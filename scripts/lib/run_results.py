@@ -84,9 +84,21 @@ class RunResults:
 
     @cached_property
     def doors(self):
-        """Portals: x, y."""
-        rows = self._read_csv("doors.csv", "nothing was planned.")
-        return np.column_stack([self._numbers("doors.csv", rows, name) for name in ("x", "y")])
+        """Lines of doors.csv, one a portal."""
+        return self._read_csv("doors.csv", "nothing was planned.")
+
+    def portals_among(self, places):
+        """x, y of the portals where landmarks are at `places`: each keeps its share of its LTRs' side."""
+        now, portals = self.places(), []
+        for row in self.doors:
+            ids = int(row["landmark_1"]), int(row["landmark_2"])
+            if any(i not in now or i not in places for i in ids):
+                continue
+            (begin, end), (moved_begin, moved_end) = np.array([[known[i] for i in ids] for known in (now, places)])
+            along = end - begin
+            share = np.dot([float(row["x"]) - begin[0], float(row["y"]) - begin[1]], along) / np.dot(along, along)
+            portals.append(moved_begin + share * (moved_end - moved_begin))
+        return np.array(portals).reshape(-1, 2)
 
     @cached_property
     def plan(self):
