@@ -47,23 +47,50 @@ double crossingCost(const GraphLtr& from, const GraphLtr& to, const Eigen::Vecto
 
 DoorGraph::DoorGraph(std::vector<GraphLtr> ltrs, std::vector<GraphSide> sides,
                      double max_metric_error)
-    : ltrs_(std::move(ltrs)), sides_(std::move(sides)), max_metric_error_(max_metric_error) {
-  numberPortals();
+    : ltrs_(std::move(ltrs)), max_metric_error_(max_metric_error) {
+  const auto frame = std::make_shared<Frame>();
+  frame_ = frame;
+  frame->sides = std::move(sides);
+  numberPortals(*frame);
   for (const GraphLtr& ltr : ltrs_) {
     if (!ltr.costs) continue;
     least_ = std::min(least_, ltr.factor * ltr.costs->leastPerMetre() / ltr.stretch);
   }
-  index();
-  prepareSearch();
+  if (!ltrs_.empty()) {
+    spanBuckets(*frame);
+    fillBuckets(*frame);
+  }
+  prepareSearch(*frame);
 }
 
-void DoorGraph::prepareSearch() {
+std::shared_ptr<const DoorGraph> DoorGraph::with(const std::vector<GraphChange>& changes) const {
+  const auto isDirected = [](const std::shared_ptr<const CellCosts>& costs) {
+    return costs && costs->isDirected();
+  };
+  for (const GraphChange& change : changes) {
+    if (isDirected(change.costs) || isDirected(ltr(change.ltr).costs)) return nullptr;
+  }
+  const auto made = std::make_shared<DoorGraph>(*this);
+  for (const GraphChange& change : changes) {
+    GraphLtr& ltr = made->ltrs_[std::size_t(change.ltr)];
+    ltr.costs = change.costs;
+    ltr.matrix = change.matrix;
+    ltr.stretch = change.stretch;
+    made->search_ltrs_[std::size_t(change.ltr)].costs = ltr.matrix ? ltr.matrix->row(0) : nullptr;
+    // What was there before may have been the least: then this stays a bound, if not the best.
+    if (!ltr.costs) continue;
+    made->least_ = std::min(made->least_, ltr.factor * ltr.costs->leastPerMetre() / ltr.stretch);
+  }
+  return made;
+}
+
+void DoorGraph::prepareSearch(Frame& frame) {
   search_ltrs_.resize(ltrs_.size());
-  search_sides_.resize(sides_.size());
-  for (std::size_t i = 0; i < sides_.size(); ++i) {
-    search_sides_[i].first_portal = sides_[i].first_portal;
-    search_sides_[i].portals = sides_[i].portals;
-    search_sides_[i].ltrs = sides_[i].ltrs;
+  frame.search_sides.resize(frame.sides.size());
+  for (std::size_t i = 0; i < frame.sides.size(); ++i) {
+    frame.search_sides[i].first_portal = frame.sides[i].first_portal;
+    frame.search_sides[i].portals = frame.sides[i].portals;
+    frame.search_sides[i].ltrs = frame.sides[i].ltrs;
   }
   for (std::size_t number = 0; number < ltrs_.size(); ++number) {
     const GraphLtr& from = ltrs_[number];
@@ -75,46 +102,46 @@ void DoorGraph::prepareSearch() {
     for (std::size_t k = 0; k < 3; ++k) {
       to.first_portal[k + 1] = static_cast<std::uint16_t>(from.first_portal[k + 1]);
       if (from.sides[k] == kNone) continue;
-      SearchSide& side = search_sides_[std::size_t(from.sides[k])];
+      SearchSide& side = frame.search_sides[std::size_t(from.sides[k])];
       side.index[side.ltrs[0] == static_cast<int>(number) ? 0 : 1] = to.first_portal[k];
     }
   }
-  search_places_.reserve(places_.size());
-  for (const Eigen::Vector2d& place : places_) {
-    search_places_.emplace_back((place - low_).cast<float>());
+  frame.search_places.reserve(frame.places.size());
+  for (const Eigen::Vector2d& place : frame.places) {
+    frame.search_places.emplace_back((place - frame.low).cast<float>());
   }
-  for (SearchSide& side : search_sides_) addCrossings(side);
+  for (SearchSide& side : frame.search_sides) addCrossings(frame, side);
 }
 
-void DoorGraph::addCrossings(SearchSide& side) {
+void DoorGraph::addCrossings(Frame& frame, SearchSide& side) const {
   const CellCosts* costs[2];
   for (std::size_t end = 0; end < 2; ++end) {
     costs[end] = ltr(side.ltrs[end]).costs.get();
     if (costs[end] == nullptr || !costs[end]->isDirected()) return;
   }
-  side.crossing = static_cast<int>(crossings_.size() / 2);
+  side.crossing = static_cast<int>(frame.crossings.size() / 2);
   for (int i = 0; i < side.portals; ++i) {
     int cells[2];
     for (std::size_t end = 0; end < 2; ++end) {
       cells[end] = costs[end]->grid().index(localOf(side.ltrs[end], side.first_portal + i));
     }
     for (const std::size_t end : {0U, 1U}) {
-      crossings_.push_back(
+      frame.crossings.push_back(
           searchLtr(side.ltrs[end]).factor *
           CellCosts::passing(*costs[1 - end], cells[1 - end], *costs[end], cells[end]));
     }
   }
 }
 
-void DoorGraph::numberPortals() {
+void DoorGraph::numberPortals(Frame& frame) {
   int count = 0;
-  for (GraphSide& side : sides_) {
+  for (GraphSide& side : frame.sides) {
     side.first_portal = count;
     side.portals = side.doors ? static_cast<int>(side.doors->portals.size()) : 0;
     count += side.portals;
   }
-  places_.resize(std::size_t(count));
-  side_of_portal_.resize(std::size_t(count));
+  frame.places.resize(std::size_t(count));
+  frame.side_of_portal.resize(std::size_t(count));
   for (GraphLtr& ltr : ltrs_) {
     for (int k = 0; k < 3; ++k) {
       const int number = ltr.sides[std::size_t(k)];
@@ -122,8 +149,8 @@ void DoorGraph::numberPortals() {
       ltr.first_portal[std::size_t(k) + 1] = ltr.first_portal[std::size_t(k)] + portals;
       for (int i = 0; i < portals; ++i) {
         const std::size_t portal = std::size_t(side(number).first_portal + i);
-        side_of_portal_[portal] = number;
-        places_[portal] = ltr.triangle.toGlobal(
+        frame.side_of_portal[portal] = number;
+        frame.places[portal] = ltr.triangle.toGlobal(
             placeOnSide(ltr.view, k, side(number).doors->portals[std::size_t(i)]));
       }
     }
@@ -176,8 +203,7 @@ std::uint64_t DoorGraph::doorOf(int portal) const {
   return 0;
 }
 
-void DoorGraph::index() {
-  if (ltrs_.empty()) return;
+void DoorGraph::spanBuckets(Frame& frame) const {
   Eigen::Vector2d low = ltrs_.front().view.corners[0], high = low;
   double extent = 0.0;
   for (const GraphLtr& ltr : ltrs_) {
@@ -187,57 +213,61 @@ void DoorGraph::index() {
       high = high.cwiseMax(corner);
     }
   }
-  low_ = low;
-  bucket_m_ = std::max(extent / static_cast<double>(ltrs_.size()), 1e-3);
+  frame.low = low;
+  double edge_m = std::max(extent / static_cast<double>(ltrs_.size()), 1e-3);
   // However far LTRs lie apart, there are not many more buckets than LTRs.
   const double limit = 16.0 * static_cast<double>(ltrs_.size()) + 64.0;
-  while ((high - low).prod() / (bucket_m_ * bucket_m_) > limit ||
-         (high - low).sum() / bucket_m_ > limit) {
-    bucket_m_ *= 2.0;
+  while ((high - low).prod() / (edge_m * edge_m) > limit || (high - low).sum() / edge_m > limit) {
+    edge_m *= 2.0;
   }
-  const Eigen::Vector2i size = ((high - low) / bucket_m_).cast<int>() + Eigen::Vector2i::Ones();
-  bucket_columns_ = size.x();
-  bucket_rows_ = size.y();
+  frame.bucket_m = edge_m;
+  const Eigen::Vector2i size = ((high - low) / edge_m).cast<int>() + Eigen::Vector2i::Ones();
+  frame.bucket_columns = size.x();
+  frame.bucket_rows = size.y();
+}
+
+void DoorGraph::fillBuckets(Frame& frame) const {
   const auto visitBuckets = [&](const GraphLtr& ltr, auto&& visit) {
     const Corners& c = ltr.view.corners;
-    const Eigen::Vector2d least = c[0].cwiseMin(c[1]).cwiseMin(c[2]) - low_;
-    const Eigen::Vector2d most = c[0].cwiseMax(c[1]).cwiseMax(c[2]) - low_;
-    const Eigen::Vector2i from = (least / bucket_m_).cast<int>(),
-                          to = (most / bucket_m_).cast<int>();
+    const Eigen::Vector2d least = c[0].cwiseMin(c[1]).cwiseMin(c[2]) - frame.low;
+    const Eigen::Vector2d most = c[0].cwiseMax(c[1]).cwiseMax(c[2]) - frame.low;
+    const Eigen::Vector2i from = (least / frame.bucket_m).cast<int>(),
+                          to = (most / frame.bucket_m).cast<int>();
     for (int y = from.y(); y <= to.y(); ++y) {
-      for (int x = from.x(); x <= to.x(); ++x) visit(std::size_t(y * bucket_columns_ + x));
+      for (int x = from.x(); x <= to.x(); ++x) visit(std::size_t(y * frame.bucket_columns + x));
     }
   };
-  bucket_starts_.assign(std::size_t(size.prod()) + 1, 0);
+  std::vector<int>& starts = frame.bucket_starts;
+  starts.assign(std::size_t(frame.bucket_columns) * std::size_t(frame.bucket_rows) + 1, 0);
   for (const GraphLtr& ltr : ltrs_) {
-    visitBuckets(ltr, [&](std::size_t bucket) { ++bucket_starts_[bucket + 1]; });
+    visitBuckets(ltr, [&](std::size_t bucket) { ++starts[bucket + 1]; });
   }
-  for (std::size_t i = 1; i < bucket_starts_.size(); ++i)
-    bucket_starts_[i] += bucket_starts_[i - 1];
-  bucket_ltrs_.resize(std::size_t(bucket_starts_.back()));
-  std::vector<int> next(bucket_starts_.begin(), bucket_starts_.end() - 1);
+  for (std::size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
+  frame.bucket_ltrs.resize(std::size_t(starts.back()));
+  std::vector<int> next(starts.begin(), starts.end() - 1);
   for (std::size_t i = 0; i < ltrs_.size(); ++i) {
     visitBuckets(ltrs_[i], [&](std::size_t bucket) {
-      bucket_ltrs_[std::size_t(next[bucket]++)] = static_cast<int>(i);
+      frame.bucket_ltrs[std::size_t(next[bucket]++)] = static_cast<int>(i);
     });
   }
 }
 
 std::int64_t DoorGraph::bucketOf(const Eigen::Vector2d& point) const {
-  const Eigen::Vector2d place = (point - low_) / bucket_m_;
-  if (!(place.minCoeff() >= 0.0) || place.x() >= bucket_columns_ || place.y() >= bucket_rows_) {
+  const Eigen::Vector2d place = (point - frame_->low) / frame_->bucket_m;
+  if (!(place.minCoeff() >= 0.0) || place.x() >= frame_->bucket_columns ||
+      place.y() >= frame_->bucket_rows) {
     return -1;
   }
-  return std::int64_t(place.y()) * bucket_columns_ + std::int64_t(place.x());
+  return std::int64_t(place.y()) * frame_->bucket_columns + std::int64_t(place.x());
 }
 
 int DoorGraph::locate(const Eigen::Vector2d& point) const {
   const std::int64_t bucket = bucketOf(point);
   if (bucket < 0) return kNone;
-  const int begin = bucket_starts_[std::size_t(bucket)],
-            end = bucket_starts_[std::size_t(bucket) + 1];
+  const int begin = frame_->bucket_starts[std::size_t(bucket)],
+            end = frame_->bucket_starts[std::size_t(bucket) + 1];
   for (int i = begin; i < end; ++i) {
-    const int number = bucket_ltrs_[std::size_t(i)];
+    const int number = frame_->bucket_ltrs[std::size_t(i)];
     if (ltr(number).triangle.contains(point)) return number;
   }
   return kNone;
@@ -277,9 +307,9 @@ double DoorGraph::integrateFromAny(int start_ltr, const Eigen::Vector2d& from,
   const double sum = integrate(start_ltr, from, to, weighted);
   const std::int64_t bucket = sum == kNoPassing ? bucketOf(from) : -1;
   if (bucket < 0) return sum;
-  for (int i = bucket_starts_[std::size_t(bucket)]; i < bucket_starts_[std::size_t(bucket) + 1];
-       ++i) {
-    const int other = bucket_ltrs_[std::size_t(i)];
+  for (int i = frame_->bucket_starts[std::size_t(bucket)];
+       i < frame_->bucket_starts[std::size_t(bucket) + 1]; ++i) {
+    const int other = frame_->bucket_ltrs[std::size_t(i)];
     if (other == start_ltr || !ltr(other).triangle.contains(from)) continue;
     const double along = integrate(other, from, to, weighted);
     if (along < kNoPassing) return along;
@@ -287,21 +317,27 @@ double DoorGraph::integrateFromAny(int start_ltr, const Eigen::Vector2d& from,
   return sum;
 }
 
-std::size_t DoorGraph::bytes() const {
-  std::size_t sum =
-      sizeof(*this) + ltrs_.capacity() * sizeof(GraphLtr) + sides_.capacity() * sizeof(GraphSide) +
-      places_.capacity() * (sizeof(Eigen::Vector2d) + sizeof(int)) +
-      search_ltrs_.capacity() * sizeof(SearchLtr) + search_sides_.capacity() * sizeof(SearchSide) +
-      search_places_.capacity() * sizeof(Eigen::Vector2f) + crossings_.capacity() * sizeof(float) +
-      (bucket_starts_.capacity() + bucket_ltrs_.capacity()) * sizeof(int);
-  for (const GraphLtr& ltr : ltrs_) {
-    if (ltr.costs) sum += ltr.costs->bytes();
-    if (ltr.matrix) sum += ltr.matrix->bytes();
-  }
-  for (const GraphSide& side : sides_) {
+std::size_t DoorGraph::Frame::bytes() const {
+  std::size_t sum = sizeof(*this) + sides.capacity() * sizeof(GraphSide) +
+                    places.capacity() * (sizeof(Eigen::Vector2d) + sizeof(int)) +
+                    search_sides.capacity() * sizeof(SearchSide) +
+                    search_places.capacity() * sizeof(Eigen::Vector2f) +
+                    crossings.capacity() * sizeof(float) +
+                    (bucket_starts.capacity() + bucket_ltrs.capacity()) * sizeof(int);
+  for (const GraphSide& side : sides) {
     if (!side.doors) continue;
     sum += sizeof(SideDoors) + side.doors->doors.capacity() * sizeof(Door) +
            side.doors->portals.capacity() * sizeof(double);
+  }
+  return sum;
+}
+
+std::size_t DoorGraph::bytes() const {
+  std::size_t sum = sizeof(*this) + frame_->bytes() + ltrs_.capacity() * sizeof(GraphLtr) +
+                    search_ltrs_.capacity() * sizeof(SearchLtr);
+  for (const GraphLtr& ltr : ltrs_) {
+    if (ltr.costs) sum += ltr.costs->bytes();
+    if (ltr.matrix) sum += ltr.matrix->bytes();
   }
   return sum;
 }

@@ -35,6 +35,14 @@ struct GraphSide {
   std::shared_ptr<const SideDoors> doors;
 };
 
+/// What an LTR holds now, of a number in the graph.
+struct GraphChange {
+  int ltr = kNone;
+  double stretch = 1.0;
+  std::shared_ptr<const CellCosts> costs;
+  std::shared_ptr<const CostMatrix> matrix;
+};
+
 /// What a search reads of an LTR, together and small: searches are as fast as memory is.
 struct SearchLtr {
   const float* costs = nullptr;  ///< rows of its matrix; null without one
@@ -67,13 +75,13 @@ class DoorGraph {
 
   const std::vector<GraphLtr>& ltrs() const { return ltrs_; }
   const GraphLtr& ltr(int number) const { return ltrs_[std::size_t(number)]; }
-  const std::vector<GraphSide>& sides() const { return sides_; }
-  const GraphSide& side(int number) const { return sides_[std::size_t(number)]; }
+  const std::vector<GraphSide>& sides() const { return frame_->sides; }
+  const GraphSide& side(int number) const { return frame_->sides[std::size_t(number)]; }
 
-  int portalCount() const { return static_cast<int>(places_.size()); }
+  int portalCount() const { return static_cast<int>(frame_->places.size()); }
   /// In map [m].
-  const Eigen::Vector2d& placeOf(int portal) const { return places_[std::size_t(portal)]; }
-  int sideOf(int portal) const { return side_of_portal_[std::size_t(portal)]; }
+  const Eigen::Vector2d& placeOf(int portal) const { return frame_->places[std::size_t(portal)]; }
+  int sideOf(int portal) const { return frame_->side_of_portal[std::size_t(portal)]; }
   /// Id of the door that a portal belongs to.
   std::uint64_t doorOf(int portal) const;
   /// The portal's number among those of one of its LTRs.
@@ -86,16 +94,19 @@ class DoorGraph {
   std::vector<Triangle::Local> wayBetween(int ltr, int from, int to) const;
 
   const SearchLtr& searchLtr(int number) const { return search_ltrs_[std::size_t(number)]; }
-  const SearchSide& searchSide(int number) const { return search_sides_[std::size_t(number)]; }
+  const SearchSide& searchSide(int number) const {
+    return frame_->search_sides[std::size_t(number)];
+  }
   /// Places of portals, from origin().
-  const Eigen::Vector2f* searchPlaces() const { return search_places_.data(); }
+  const Eigen::Vector2f* searchPlaces() const { return frame_->search_places.data(); }
   /// What it costs to enter one of a side's LTRs (`end`) through the `i`-th portal, because a layer
   /// rises or falls from the other LTR to it.
   float crossing(const SearchSide& side, int i, std::size_t end) const {
-    return side.crossing == kNone ? 0.0F : crossings_[2 * std::size_t(side.crossing + i) + end];
+    return side.crossing == kNone ? 0.0F
+                                  : frame_->crossings[2 * std::size_t(side.crossing + i) + end];
   }
   /// In map, near all LTRs [m].
-  const Eigen::Vector2d& origin() const { return low_; }
+  const Eigen::Vector2d& origin() const { return frame_->low; }
 
   /// Lower bound of the cost of a metre as the crow flies, over all LTRs: the least of K mu_min
   /// over the share by which lengths have grown since the costs were computed.
@@ -122,32 +133,42 @@ class DoorGraph {
   double integrateFromAny(int start_ltr, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                           bool weighted = true) const;
 
+  /// The same with other contents of some LTRs; nothing if their doors, or costs of going from one
+  /// to another, would be others too. Costs a copy of the LTRs' pointers.
+  std::shared_ptr<const DoorGraph> with(const std::vector<GraphChange>& changes) const;
+
   std::size_t bytes() const;
 
  private:
-  void numberPortals();
-  void index();
-  void prepareSearch();
-  void addCrossings(SearchSide& side);
+  /// What stays as it is while LTRs come to hold other things: shared by the graphs of that time.
+  struct Frame {
+    std::vector<GraphSide> sides;
+    std::vector<Eigen::Vector2d> places;  ///< of portals
+    std::vector<int> side_of_portal;
+    std::vector<SearchSide> search_sides;
+    std::vector<Eigen::Vector2f> search_places;
+    std::vector<float> crossings;  ///< by portal of sides that need them, then end
+    // LTRs by square buckets of map, those of a bucket one after another.
+    Eigen::Vector2d low = Eigen::Vector2d::Zero();
+    double bucket_m = 1.0;
+    int bucket_columns = 0, bucket_rows = 0;
+    std::vector<int> bucket_starts;
+    std::vector<int> bucket_ltrs;
+
+    std::size_t bytes() const;
+  };
+  void numberPortals(Frame& frame);
+  void spanBuckets(Frame& frame) const;
+  void fillBuckets(Frame& frame) const;
+  void prepareSearch(Frame& frame);
+  void addCrossings(Frame& frame, SearchSide& side) const;
   std::int64_t bucketOf(const Eigen::Vector2d& point) const;
 
   std::vector<GraphLtr> ltrs_;
-  std::vector<GraphSide> sides_;
-  std::vector<Eigen::Vector2d> places_;  ///< of portals
-  std::vector<int> side_of_portal_;
   std::vector<SearchLtr> search_ltrs_;
-  std::vector<SearchSide> search_sides_;
-  std::vector<Eigen::Vector2f> search_places_;
-  std::vector<float> crossings_;  ///< by portal of sides that need them, then end
+  std::shared_ptr<const Frame> frame_ = std::make_shared<const Frame>();
   double least_ = kNoPassing;
   double max_metric_error_ = 0.02;
-
-  // LTRs by square buckets of map, those of a bucket one after another.
-  Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
-  double bucket_m_ = 1.0;
-  int bucket_columns_ = 0, bucket_rows_ = 0;
-  std::vector<int> bucket_starts_;
-  std::vector<int> bucket_ltrs_;
 };
 
 }  // namespace hymm::core

@@ -56,6 +56,7 @@ DoorMap::DoorMap(const DoorPlannerConfig& config) : config_(config), index_(kInd
 }
 
 std::vector<int> DoorMap::setLtrs(const std::vector<LtrView>& ltrs) {
+  is_reshaped_ = true;
   std::vector<int> unusable;
   std::set<int> present;
   for (const LtrView& view : ltrs) {
@@ -198,6 +199,7 @@ void DoorMap::findBlocked() {
       continue;
     }
     region.in_force = region.costs;
+    changed_.insert(id);
     region.computed = region.triangle;
     region.computed_factor = factorOf(region.view);
     to_compute_.insert(id);
@@ -223,6 +225,8 @@ void DoorMap::findDoors() {
     Side& side = sides_.at(key);
     SideDoors found = doorsOf(key, side);
     keepIds(side.doors ? *side.doors : SideDoors(), found, next_door_id_);
+    if (side.doors && *side.doors == found) continue;
+    is_reshaped_ = true;
     const bool same = side.doors && side.doors->samePlaces(found);
     side.doors = std::make_shared<SideDoors>(std::move(found));
     if (same) continue;
@@ -252,6 +256,7 @@ std::size_t DoorMap::prepare(const Eigen::Vector2d& place, std::size_t max_matri
   for (const int id : to_compute_) {
     Region& region = regions_.at(id);
     region.matrix.reset();
+    changed_.insert(id);
     if (!region.in_force) continue;
     const Eigen::Vector2d centre = region.triangle.toGlobal(Triangle::Local(1.0 / 3, 1.0 / 3));
     order.emplace_back((centre - place).squaredNorm(), id);
@@ -269,7 +274,34 @@ std::size_t DoorMap::prepare(const Eigen::Vector2d& place, std::size_t max_matri
   return to_compute_.size();
 }
 
-std::shared_ptr<const DoorGraph> DoorMap::makeGraph() const {
+std::shared_ptr<const DoorGraph> DoorMap::makeGraph() {
+  std::shared_ptr<const DoorGraph> made;
+  if (graph_ && !is_reshaped_) made = makeByChanges();
+  graph_ = made ? made : makeWhole();
+  is_reshaped_ = false;
+  changed_.clear();
+  return graph_;
+}
+
+std::shared_ptr<const DoorGraph> DoorMap::makeByChanges() const {
+  const std::vector<GraphLtr>& ltrs = graph_->ltrs();
+  std::vector<GraphChange> changes;
+  for (const int id : changed_) {
+    const Region& region = regions_.at(id);
+    const auto place =
+        std::lower_bound(ltrs.begin(), ltrs.end(), id,
+                         [](const GraphLtr& ltr, int wanted) { return ltr.view.id < wanted; });
+    GraphChange change;
+    change.ltr = static_cast<int>(place - ltrs.begin());
+    change.costs = region.in_force;
+    if (to_compute_.count(id) == 0) change.matrix = region.matrix;
+    if (region.in_force) change.stretch = stretchOf(region.triangle, region.computed);
+    changes.push_back(std::move(change));
+  }
+  return graph_->with(changes);
+}
+
+std::shared_ptr<const DoorGraph> DoorMap::makeWhole() const {
   std::vector<GraphLtr> ltrs;
   std::unordered_map<int, int> numbers;
   ltrs.reserve(regions_.size());

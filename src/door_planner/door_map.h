@@ -43,7 +43,7 @@ class DoorMap {
   std::size_t prepare(const Eigen::Vector2d& place, std::size_t max_matrices);
 
   /// What queries use; LTRs whose matrix is out of date cannot be crossed in it.
-  std::shared_ptr<const DoorGraph> makeGraph() const;
+  std::shared_ptr<const DoorGraph> makeGraph();
 
   const Counts& counts() const { return counts_; }
 
@@ -71,6 +71,8 @@ class DoorMap {
   void computeMatrix(Region& region);
   std::vector<bool> blockedCells(const Region& region) const;
   double reach_m(const Region& region) const;
+  std::shared_ptr<const DoorGraph> makeWhole() const;
+  std::shared_ptr<const DoorGraph> makeByChanges() const;
 
   DoorPlannerConfig config_;
   std::vector<PropertyWeight> weights_;
@@ -80,6 +82,9 @@ class DoorMap {
   std::set<int> to_block_, to_compute_;
   std::set<SideKey> to_open_;
   std::uint64_t next_door_id_ = 1;
+  std::shared_ptr<const DoorGraph> graph_;  ///< as it was last made
+  bool is_reshaped_ = true;                 ///< LTRs or doors since then
+  std::set<int> changed_;                   ///< LTRs whose costs or matrices are others since then
   Counts counts_;
 };
 

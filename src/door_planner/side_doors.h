@@ -24,6 +24,11 @@ struct Door {
   std::uint64_t id = 0;  ///< stays the same while the door changes its borders only
   double from = 0.0, to = 0.0;
   std::size_t first_portal = 0, portals = 0;
+
+  bool operator==(const Door& o) const {
+    return id == o.id && from == o.from && to == o.to && first_portal == o.first_portal &&
+           portals == o.portals;
+  }
 };
 
 /// The doors of one side and the portals, points that both LTRs share, that they are split into.
@@ -31,6 +36,7 @@ struct SideDoors {
   std::vector<Door> doors;
   std::vector<double> portals;  ///< ascending
 
+  bool operator==(const SideDoors& o) const { return doors == o.doors && portals == o.portals; }
   bool samePlaces(const SideDoors& other) const { return portals == other.portals; }
 };
 

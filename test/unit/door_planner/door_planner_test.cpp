@@ -193,6 +193,55 @@ TEST(DoorPlanner, ComputesNothingAnewForTheSameContent) {
   EXPECT_EQ(world.planner.counts().unchanged_contents, world.mesh.ltrs.size());
 }
 
+void expectSameGraph(const DoorGraph& one, const DoorGraph& other) {
+  ASSERT_EQ(one.ltrs().size(), other.ltrs().size());
+  ASSERT_EQ(one.portalCount(), other.portalCount());
+  for (int number = 0; number < static_cast<int>(one.ltrs().size()); ++number) {
+    ASSERT_EQ(one.ltr(number).matrix->size(), other.ltr(number).matrix->size());
+    EXPECT_TRUE(*one.ltr(number).costs == *other.ltr(number).costs);
+    const int size = one.ltr(number).matrix->size();
+    EXPECT_TRUE(std::equal(one.searchLtr(number).costs, one.searchLtr(number).costs + size * size,
+                           other.searchLtr(number).costs));
+  }
+}
+
+TEST(DoorPlanner, SharesWhatAChangeOfContentsLeavesAsItWas) {
+  World world(freeGround);
+  const auto before = world.planner.graph();
+  const Vector2d middle = before->ltr(9).triangle.toGlobal({0.33, 0.33});
+  const Occupancy post = [middle](const Vector2d& p) {
+    return (p - middle).norm() < 0.3 ? 1.0F : 0.0F;
+  };
+  world.show(post);
+  const auto after = world.planner.graph();
+  EXPECT_EQ(after->searchPlaces(), before->searchPlaces()) << "doors are where they were";
+  expectSameGraph(*after, *World(post).planner.graph());
+  world.show(wallWithGap(30.0, 4.0));
+  EXPECT_NE(world.planner.graph()->searchPlaces(), before->searchPlaces());
+  expectSameGraph(*world.planner.graph(), *World(wallWithGap(30.0, 4.0)).planner.graph());
+  world.show(freeGround);
+  expectSameGraph(*world.planner.graph(), *before);
+}
+
+TEST(DoorPlanner, KeepsDistrictsInWhichNothingChanged) {
+  DoorPlannerConfig config;
+  config.district_m = 12.0;
+  World world(freeGround, config);
+  EXPECT_EQ(world.planner.districts(), nullptr);
+  EXPECT_EQ(world.planner.prepareDistricts(), 0U);
+  const auto before = world.planner.districts();
+  const Vector2d middle = before->graph()->ltr(9).triangle.toGlobal({0.33, 0.33});
+  world.show([middle](const Vector2d& p) { return (p - middle).norm() < 0.3 ? 1.0F : 0.0F; });
+  EXPECT_EQ(world.planner.districts(), nullptr) << "those of a map that was";
+  EXPECT_EQ(world.planner.prepareDistricts(0), 1U);
+  EXPECT_EQ(world.planner.prepareDistricts(), 0U);
+  EXPECT_EQ(world.planner.districts()->count(), before->count());
+  for (LtrView& ltr : world.mesh.ltrs) ltr.shape_factor = 1.1;
+  world.planner.setLtrs(world.mesh.ltrs);
+  world.planner.prepare(Vector2d::Zero());
+  EXPECT_EQ(world.planner.prepareDistricts(0), before->count()) << "all factors have changed";
+}
+
 TEST(DoorPlanner, PaysForUncertainShapes) {
   World world(freeGround);
   for (LtrView& ltr : world.mesh.ltrs) ltr.shape_factor = 1.2;
