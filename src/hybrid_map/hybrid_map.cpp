@@ -37,8 +37,9 @@ class HybridMap::Impl {
     if (auto problem = landmarkProblem(map.landmarks)) {
       return refuse(*problem, counts_.refused_landmarks);
     }
-    if (map.version < version_) return growBy(map);
-    return follow(map);
+    MapOutcome outcome = map.version < version_ ? growBy(map) : follow(map);
+    writer_.waiting().join(map, landmarks_, config_.max_pose_deviation_m, revision_);
+    return outcome;
   }
 
   MapOutcome apply(const LandmarkUpdate& update) {

@@ -14,15 +14,19 @@ void LandmarkPlaces::apply(const LandmarkUpdate& update) {
   for (const int id : update.removed_ids) places_.erase(id);
 }
 
-std::optional<Eigen::Vector2d> LandmarkPlaces::find(int id) const {
+int LandmarkPlaces::presentId(int id) const {
   // No chain of merges is longer than their number, unless it runs in a circle.
   for (std::size_t steps = 0; steps <= merged_into_.size(); ++steps) {
-    if (auto place = findUnmerged(id)) return place;
+    if (places_.count(id) > 0) return id;
     const auto merged = merged_into_.find(id);
     if (merged == merged_into_.end()) break;
     id = merged->second;
   }
-  return std::nullopt;
+  return -1;
+}
+
+std::optional<Eigen::Vector2d> LandmarkPlaces::find(int id) const {
+  return findUnmerged(presentId(id));
 }
 
 std::optional<Eigen::Vector2d> LandmarkPlaces::findUnmerged(int id) const {

@@ -16,6 +16,9 @@ class LandmarkPlaces {
   void apply(const LandmarkMap& map);
   void apply(const LandmarkUpdate& update);
 
+  /// The landmark that this one is now, itself or what it was merged into; -1 if it is no more.
+  int presentId(int id) const;
+
   /// Of a landmark, or of the one that it was merged into [m]; nothing if it is no more.
   std::optional<Eigen::Vector2d> find(int id) const;
 

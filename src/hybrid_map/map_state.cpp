@@ -94,6 +94,7 @@ void WaitingTiles::restore(StateReader& archive) {
       CellStore& cells =
           sheet.tiles.try_emplace(place, layers_, kTileCells * kTileCells).first->second;
       cells.restore(layers_, archive);
+      sheet.written = std::max(sheet.written, cells.lastRevision());
     }
   }
 }

@@ -17,6 +17,9 @@ class PairCovariances {
   /// Keeps the pairs among `ids`; `map` outlives the object.
   PairCovariances(const LandmarkMap& map, const std::unordered_set<int>& ids);
 
+  /// The covariance between two landmarks [m^2]; nothing where it is not told.
+  std::optional<Eigen::Matrix2d> block(int first_id, int second_id) const;
+
   /// Of three landmarks given by their places in the map [m^2]; nothing where a pair is not told.
   std::optional<Eigen::Matrix<double, 6, 6>> joint(const std::array<int, 3>& landmarks) const;
 
@@ -25,8 +28,6 @@ class PairCovariances {
     return static_cast<std::uint64_t>(static_cast<std::uint32_t>(first)) << 32U |
            static_cast<std::uint32_t>(second);
   }
-  std::optional<Eigen::Matrix2d> block(int first_id, int second_id) const;
-
   const LandmarkMap& map_;
   std::unordered_map<std::uint64_t, const CrossCovariance*> pairs_;
 };

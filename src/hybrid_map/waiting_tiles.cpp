@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include "hybrid_map/cell_shares.h"
 
 namespace hymm::core {
 namespace {
 
-// Nearer to each other, two landmarks do not tell a direction well.
-constexpr double kAnchorSeparation_m = 3.0;
+// Nearer to each other, two landmarks do not tell a direction well; and hardly any.
+constexpr double kAnchorSeparation_m = 10.0;
+constexpr double kLeastAnchorSeparation_m = 3.0;
 
 constexpr double kBytesPerMb = 1e6;
 
@@ -49,7 +51,10 @@ Pose2 WaitingTiles::anchorFrame(const std::pair<int, int>& anchors,
 
 void WaitingTiles::anchor(Sheet& sheet, const Eigen::Vector2d& place,
                           const LandmarkPlaces& landmarks) const {
-  sheet.anchors = landmarks.nearestTwo(place, config_.anchor_range_m, kAnchorSeparation_m);
+  for (const double separation_m : {kAnchorSeparation_m, kLeastAnchorSeparation_m}) {
+    sheet.anchors = landmarks.nearestTwo(place, config_.anchor_range_m, separation_m);
+    if (sheet.anchors.second >= 0) break;
+  }
   sheet.T_anchors_sheet = inverse(anchorFrame(sheet.anchors, landmarks)) * sheet.T_map_sheet;
 }
 
@@ -62,10 +67,14 @@ bool WaitingTiles::suits(const Sheet& sheet, const Eigen::Vector2d& place,
   return isNear(sheet.anchors.first) && isNear(sheet.anchors.second);
 }
 
+/// Where a sheet is near, it is written on, whichever landmarks are nearest: else what is seen of
+/// one place from several would lie in as many sheets.
 void WaitingTiles::select(const Eigen::Vector2d& place, const LandmarkPlaces& landmarks) {
   last_tile_ = nullptr;
-  const bool stays = selected_ < sheets_.size() && suits(sheets_[selected_], place, landmarks);
-  if (!stays) {
+  if (selected_ >= sheets_.size() || !suits(sheets_[selected_], place, landmarks)) {
+    selected_ = nearestSuiting(place, landmarks);
+  }
+  if (selected_ == sheets_.size()) {
     Sheet sheet;
     anchor(sheet, place, landmarks);
     const auto known = std::find_if(sheets_.begin(), sheets_.end(), [&](const Sheet& other) {
@@ -80,12 +89,28 @@ void WaitingTiles::select(const Eigen::Vector2d& place, const LandmarkPlaces& la
   T_cells_map_ = inverse(sheets_[selected_].T_map_sheet);
 }
 
+/// The suiting sheet whose anchors are nearest; one past the last if none suits.
+std::size_t WaitingTiles::nearestSuiting(const Eigen::Vector2d& place,
+                                         const LandmarkPlaces& landmarks) const {
+  std::size_t nearest = sheets_.size();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < sheets_.size(); ++i) {
+    if (!suits(sheets_[i], place, landmarks)) continue;
+    const double distance = (anchorMiddle(sheets_[i], landmarks) - place).norm();
+    if (distance >= least) continue;
+    nearest = i;
+    least = distance;
+  }
+  return nearest;
+}
+
 float* WaitingTiles::cell(int layer, int i, int j, std::uint64_t revision) {
   const TilePlace place(floorDivide(i, kTileCells), floorDivide(j, kTileCells));
   if (last_tile_ == nullptr || place != last_place_) {
     auto& tiles = sheets_[selected_].tiles;
     last_tile_ = &tiles.try_emplace(place, layers_, kTileCells * kTileCells).first->second;
     last_place_ = place;
+    sheets_[selected_].written = revision;
   }
   const int index = (j - place.second * kTileCells) * kTileCells + (i - place.first * kTileCells);
   return last_tile_->write(layers_, layer, revision) +
@@ -181,6 +206,14 @@ void WaitingTiles::forgetEmptySheets() {
   if (end == sheets_.end()) return;
   sheets_.erase(end, sheets_.end());
   selected_ = sheets_.size();  // none
+  const auto isThere = [this](std::uint64_t id) {
+    return std::any_of(sheets_.begin(), sheets_.end(),
+                       [id](const Sheet& sheet) { return sheet.id == id; });
+  };
+  for (auto pair = joined_.begin(); pair != joined_.end();) {
+    const bool stays = isThere(pair->first.first) && isThere(pair->first.second);
+    pair = stays ? std::next(pair) : joined_.erase(pair);
+  }
 }
 
 CellMemory WaitingTiles::memory() const {

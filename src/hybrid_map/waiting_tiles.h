@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "cekf/landmark_map.h"
 #include "common/config.h"
 #include "common/pose2.h"
 #include "hybrid_map/cell_store.h"
@@ -35,7 +36,8 @@ struct WaitingTile {
 
 /// Observations outside of every LTR wait here until one covers them. They lie in square cells of a
 /// sheet, which moves with the two landmarks that it is anchored to (one, or none, where there are
-/// no more), and is written only near them.
+/// no more), and is written only near them. What two sheets hold of one place comes together in the
+/// one whose anchors are nearer, once it is known how the sheets lie to each other.
 class WaitingTiles {
  public:
   /// `layers` outlives the object.
@@ -75,6 +77,13 @@ class WaitingTiles {
 
   /// Moves the sheets with their landmarks.
   void follow(const LandmarkPlaces& landmarks);
+
+  /// Joins what sheets hold of the same places, where no landmark that one is anchored to is less
+  /// certain than `most_deviation_m` relative to those of the other: a cell goes into the sheet
+  /// whose anchors are nearer. The sheet that is being written is left alone until another is
+  /// selected. `landmarks` are those of `map`.
+  void join(const LandmarkMap& map, const LandmarkPlaces& landmarks, double most_deviation_m,
+            std::uint64_t revision);
 
   /// Offers the evidence in all tiles that touch one of the boxes (in map): `take(layer, place,
   /// cell, share)` returns whether it took this share of the cell, which then is no longer here.
@@ -125,12 +134,14 @@ class WaitingTiles {
     Pose2 T_map_sheet;
     Pose2 T_anchors_sheet;
     std::map<TilePlace, CellStore> tiles;
+    std::uint64_t written = 0;  ///< the map's revision when it was last selected and written
   };
 
   Pose2 anchorFrame(const std::pair<int, int>& anchors, const LandmarkPlaces& landmarks) const;
   bool areThere(const std::pair<int, int>& anchors, const LandmarkPlaces& landmarks) const;
   bool suits(const Sheet& sheet, const Eigen::Vector2d& place,
              const LandmarkPlaces& landmarks) const;
+  std::size_t nearestSuiting(const Eigen::Vector2d& place, const LandmarkPlaces& landmarks) const;
   void anchor(Sheet& sheet, const Eigen::Vector2d& place, const LandmarkPlaces& landmarks) const;
   Eigen::Vector2d centreOf(const Sheet& sheet) const;
   /// The boxes that a square around `place`, `reach_m` to each side, touches.
@@ -143,11 +154,18 @@ class WaitingTiles {
   void forgetEmptySheets();
   std::size_t dropOldest();
 
+  // Joining (waiting_joins.cpp).
+  using SheetPair = std::pair<std::uint64_t, std::uint64_t>;  ///< ids, ascending
+  Eigen::Vector2d anchorMiddle(const Sheet& sheet, const LandmarkPlaces& landmarks) const;
+  Box boxOf(const Sheet& sheet) const;
+  class CellMove;
+
   WaitingConfig config_;
   const LayerSet& layers_;
   double resolution_m_;
   std::vector<Sheet> sheets_;
   std::size_t selected_ = 0;
+  std::map<SheetPair, std::uint64_t> joined_;  ///< at which revision; not saved, made anew
   std::uint64_t sheets_made_ = 0;
   Pose2 T_cells_map_;  ///< of the selected sheet
   CellStore* last_tile_ = nullptr;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <set>
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
@@ -162,6 +163,79 @@ TEST(HybridMap, WhatWaitsFollowsTheTwoLandmarksThatItIsAnchoredTo) {
   const LayerQuery answer = map.query("salinity", correction * Eigen::Vector2d(4.0, 5.0));
   ASSERT_EQ(answer.status, Status::kKnown);
   EXPECT_NEAR(answer.value->value, 20.0, 1e-5);
+}
+
+/// A map without LTRs over two pairs of landmarks, 40 m apart.
+struct TwoSheets {
+  TwoSheets() : map(withoutLtrs()) { map.apply(landmarks); }
+
+  static HybridMapConfig withoutLtrs() {
+    HybridMapConfig config = withLayers();
+    config.partition.min_observations = 1000;
+    return config;
+  }
+  void tellAgain() {
+    ++landmarks.version;
+    ASSERT_TRUE(map.apply(landmarks).accepted);
+  }
+  /// From between the landmarks of one pair, a beam towards the other.
+  void lookRight() { map.insert(beam({6.0, 5.0, 0.0}, 22.0, landmarks.version)); }
+  void lookLeft() { map.insert(beam({46.0, 5.0, M_PI}, 22.0, landmarks.version)); }
+
+  /// Sheets that know the occupancy of a place.
+  int sheetsAt(const Eigen::Vector2d& place) const {
+    int count = 0;
+    map.waiting().visitTiles(LayerSet::kOccupancy, [&](const WaitingTile& tile) {
+      const Eigen::Array2i cell =
+          ((inverse(tile.T_map_cells) * place) / tile.resolution_m).array().floor().cast<int>();
+      if ((cell < 0).any() || (cell >= WaitingTile::kCells).any()) return;
+      const int index = cell.y() * WaitingTile::kCells + cell.x();
+      if (*tile.cells->read(map.layers(), LayerSet::kOccupancy, index) != 0.0F) ++count;
+    });
+    return count;
+  }
+
+  LandmarkMap landmarks = mapOf({{0.0, 0.0}, {12.0, 0.0}, {40.0, 0.0}, {52.0, 0.0}});
+  HybridMap map;
+};
+
+TEST(HybridMap, WhatTwoSheetsSawOfOnePlaceComesTogether) {
+  TwoSheets two;
+  two.lookRight();
+  two.lookLeft();
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  // Both saw from x = 24 m to x = 28 m; halfway lies x = 26 m.
+  ASSERT_EQ(two.sheetsAt({24.9, 5.0}), 2);
+  ASSERT_EQ(two.sheetsAt({27.1, 5.0}), 2);
+  const double before = two.map.evidenceWaiting(0);
+  two.tellAgain();
+  EXPECT_EQ(two.sheetsAt({24.9, 5.0}), 1);
+  EXPECT_EQ(two.sheetsAt({27.1, 5.0}), 1);
+  EXPECT_EQ(two.sheetsAt({26.0, 5.0}), 2);  // the seam
+  EXPECT_NEAR(two.map.evidenceWaiting(0), before, 1e-4);
+}
+
+TEST(HybridMap, SheetsThatAreNotCertainOfEachOtherStayApart) {
+  TwoSheets two;
+  two.landmarks.cross_covariances.pop_back();  // of 40 m and 52 m
+  for (auto& pair : two.landmarks.cross_covariances) pair.block *= 0.0;
+  for (auto& landmark : two.landmarks.landmarks) landmark.covariance *= 4.0;
+  two.lookRight();
+  two.lookLeft();
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  two.tellAgain();
+  EXPECT_EQ(two.sheetsAt({24.9, 5.0}), 2);
+}
+
+TEST(HybridMap, ASheetIsWrittenOnWhereverItIsNear) {
+  HybridMap map(TwoSheets::withoutLtrs());
+  map.apply(mapOf({{0.0, 0.0}, {12.0, 0.0}, {6.0, 12.0}, {18.0, 12.0}}));
+  // On the way back other landmarks are nearer than those by which the way there was kept.
+  for (const double y : {-4.0, 15.0}) map.insert(beam({9.0, y, 0.0}, 5.0));
+  std::set<std::uint64_t> sheets;
+  map.waiting().visitTiles(LayerSet::kOccupancy,
+                           [&](const WaitingTile& tile) { sheets.insert(tile.sheet); });
+  EXPECT_EQ(sheets.size(), 1U);
 }
 
 TEST(HybridMap, ContentOfARetiredLtrMovesToThoseThatCoverItsPlace) {

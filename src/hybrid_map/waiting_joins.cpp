@@ -1,0 +1,239 @@
+/// How what sheets hold of the same places comes together.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <unordered_map>
+#include <unordered_set>
+
+#include <Eigen/Eigenvalues>
+
+#include "hybrid_map/cell_shares.h"
+#include "hybrid_map/pair_covariances.h"
+#include "hybrid_map/waiting_tiles.h"
+
+namespace hymm::core {
+namespace {
+
+// Along the line between two sheets, both keep what they saw this near to it: else a gap would open
+// where they move apart.
+constexpr double kSeam_m = 0.5;
+
+double largestDeviation(const Eigen::Matrix2d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, axes.eigenvalues()[1]));
+}
+
+/// How well landmarks are known relative to each other.
+class RelativeDeviations {
+ public:
+  RelativeDeviations(const LandmarkMap& map, const std::unordered_set<int>& ids)
+      : pairs_(map, ids) {
+    for (const LandmarkEstimate& landmark : map.landmarks) {
+      if (ids.count(landmark.id) > 0) covariances_[landmark.id] = landmark.covariance;
+    }
+  }
+
+  /// Of one landmark's place relative to another's [m], in the direction in which it is largest;
+  /// where their covariance is not told, the most that it can be. Infinite for unknown landmarks.
+  double between(int one, int other) const {
+    const auto a = covariances_.find(one), b = covariances_.find(other);
+    if (a == covariances_.end() || b == covariances_.end()) {
+      return std::numeric_limits<double>::infinity();
+    }
+    if (one == other) return 0.0;
+    const auto cross = pairs_.block(one, other);
+    if (!cross) return largestDeviation(a->second) + largestDeviation(b->second);
+    return largestDeviation(a->second + b->second - *cross - cross->transpose());
+  }
+
+ private:
+  PairCovariances pairs_;
+  std::unordered_map<int, Eigen::Matrix2d> covariances_;
+};
+
+bool intersect(const WaitingTiles::Box& a, const WaitingTiles::Box& b) {
+  return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
+}
+
+}  // namespace
+
+/// Moves cells of one sheet into tiles of another, on the other's side of the line halfway between
+/// their anchors.
+class WaitingTiles::CellMove {
+ public:
+  CellMove(const WaitingTiles& tiles, Sheet& from, Sheet& to, const Eigen::Vector2d& from_middle,
+           const Eigen::Vector2d& to_middle, std::uint64_t revision)
+      : layers_(tiles.layers_), from_(from), to_(to), revision_(revision) {
+    const Pose2 T_to_from = inverse(to.T_map_sheet) * from.T_map_sheet;
+    const Pose2 T_from_map = inverse(from.T_map_sheet);
+    turn_ = T_to_from.rotation();
+    shift_ = T_to_from.position() / tiles.resolution_m_;
+    halfway_ = T_from_map * (0.5 * (from_middle + to_middle)) / tiles.resolution_m_;
+    towards_ = T_from_map.rotation() * (to_middle - from_middle).normalized();
+    seam_ = kSeam_m / tiles.resolution_m_;
+    for (std::size_t i = 0; i < kCellParts.size(); ++i) parts_[i] = turn_ * kCellParts[i];
+  }
+
+  void run() {
+    for (auto tile = from_.tiles.begin(); tile != from_.tiles.end();) {
+      bool is_empty = false;
+      if (mayMove(tile->first)) {
+        is_empty = true;
+        for (int layer = 0; layer < layers_.count(); ++layer) {
+          is_empty = moveLayer(tile->first, tile->second, layer) && is_empty;
+        }
+      }
+      tile = is_empty ? from_.tiles.erase(tile) : std::next(tile);
+    }
+  }
+
+ private:
+  /// A place in units of cells of `from` in those of `to`.
+  Eigen::Vector2d toOther(const Eigen::Vector2d& place) const { return turn_ * place + shift_; }
+  /// Whether a place, in units of cells, is beyond the seam by more than `least`.
+  bool isBeyondSeam(const Eigen::Vector2d& place, double least = 0.0) const {
+    return (place - halfway_).dot(towards_) - seam_ > least;
+  }
+
+  bool mayMove(const TilePlace& place) {
+    const Eigen::Vector2d middle =
+        kTileCells * Eigen::Vector2d(place.first + 0.5, place.second + 0.5);
+    if (!isBeyondSeam(middle, -kTileCells * M_SQRT1_2)) return false;
+    const Eigen::Array2d tile = (toOther(middle) / kTileCells).array().floor();
+    for (int x = -1; x <= 1; ++x) {
+      for (int y = -1; y <= 1; ++y) {
+        const TilePlace other(static_cast<int>(tile.x()) + x, static_cast<int>(tile.y()) + y);
+        if (to_.tiles.count(other) > 0) return true;
+      }
+    }
+    return false;
+  }
+
+  /// Returns whether nothing is left.
+  bool moveLayer(const TilePlace& place, CellStore& tile, int layer) {
+    if (tile.isEmpty(layer)) return true;
+    const int channels = layers_.channels(layer);
+    const std::uint64_t before = tile.revision(layer);
+    float* cell = tile.write(layers_, layer, before);
+    bool is_empty = true, has_moved = false;
+    for (int index = 0; index < tile.cellCount(); ++index, cell += channels) {
+      if (!hasEvidence(cell, channels)) continue;
+      const Eigen::Vector2d corner(place.first * kTileCells + index % kTileCells,
+                                   place.second * kTileCells + index / kTileCells);
+      const int moved =
+          isBeyondSeam(corner + Eigen::Vector2d(0.5, 0.5)) ? moveCell(corner, layer, cell) : 0;
+      const int left = static_cast<int>(kCellParts.size()) - moved;
+      if (moved > 0) layers_.model(layer).keep(static_cast<float>(left) * kCellPartShare, cell);
+      has_moved = has_moved || moved > 0;
+      is_empty = is_empty && left == 0;
+    }
+    if (has_moved) tile.write(layers_, layer, revision_);
+    return is_empty;
+  }
+
+  /// Returns how many parts of the cell found a tile.
+  int moveCell(const Eigen::Vector2d& corner, int layer, const float* cell) {
+    const Eigen::Vector2d other = toOther(corner);
+    int moved = 0;
+    for (const Eigen::Vector2d& part : parts_) {
+      const Eigen::Vector2d at = other + part;
+      const int i = static_cast<int>(std::floor(at.x())), j = static_cast<int>(std::floor(at.y()));
+      const int in_i = i & (kTileCells - 1), in_j = j & (kTileCells - 1);
+      CellStore* tile = tileAt({(i - in_i) / kTileCells, (j - in_j) / kTileCells});
+      if (tile == nullptr) continue;
+      float* target = tile->write(layers_, layer, revision_) +
+                      std::ptrdiff_t{in_j * kTileCells + in_i} * layers_.channels(layer);
+      layers_.model(layer).merge(cell, kCellPartShare, target);
+      ++moved;
+    }
+    return moved;
+  }
+
+  CellStore* tileAt(const TilePlace& place) {
+    if (!has_looked_ || place != last_place_) {
+      const auto found = to_.tiles.find(place);
+      last_tile_ = found == to_.tiles.end() ? nullptr : &found->second;
+      last_place_ = place;
+      has_looked_ = true;
+    }
+    return last_tile_;
+  }
+
+  const LayerSet& layers_;
+  Sheet &from_, &to_;
+  std::uint64_t revision_;
+  Eigen::Matrix2d turn_;               ///< from cells of `from` to those of `to`
+  Eigen::Vector2d shift_;              ///< likewise
+  Eigen::Vector2d halfway_, towards_;  ///< in cells of `from`
+  double seam_;                        ///< cells
+  std::array<Eigen::Vector2d, kCellParts.size()> parts_;
+  CellStore* last_tile_ = nullptr;
+  TilePlace last_place_{};
+  bool has_looked_ = false;
+};
+
+Eigen::Vector2d WaitingTiles::anchorMiddle(const Sheet& sheet,
+                                           const LandmarkPlaces& landmarks) const {
+  const auto first = landmarks.find(sheet.anchors.first);
+  const auto second = landmarks.find(sheet.anchors.second);
+  return first && second ? Eigen::Vector2d(0.5 * (*first + *second)) : centreOf(sheet);
+}
+
+WaitingTiles::Box WaitingTiles::boxOf(const Sheet& sheet) const {
+  const double tile_m = kTileCells * resolution_m_;
+  Box box{Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()),
+          Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity())};
+  for (const auto& [place, tile] : sheet.tiles) {
+    const Eigen::Vector2d middle(place.first + 0.5, place.second + 0.5);
+    const Eigen::Vector2d centre = sheet.T_map_sheet * (tile_m * middle);
+    box.low = box.low.cwiseMin((centre.array() - tile_m * M_SQRT1_2).matrix());
+    box.high = box.high.cwiseMax((centre.array() + tile_m * M_SQRT1_2).matrix());
+  }
+  return box;
+}
+
+void WaitingTiles::join(const LandmarkMap& map, const LandmarkPlaces& landmarks,
+                        double most_deviation_m, std::uint64_t revision) {
+  last_tile_ = nullptr;
+  struct Candidate {
+    Sheet* sheet;
+    std::array<int, 2> anchors;  ///< as they are called now
+    Eigen::Vector2d middle;
+    Box box;
+  };
+  std::vector<Candidate> candidates;
+  std::unordered_set<int> ids;
+  for (std::size_t i = 0; i < sheets_.size(); ++i) {
+    Sheet& sheet = sheets_[i];
+    const std::array<int, 2> anchors = {landmarks.presentId(sheet.anchors.first),
+                                        landmarks.presentId(sheet.anchors.second)};
+    if (i == selected_ || anchors[0] < 0 || anchors[1] < 0) continue;
+    ids.insert(anchors.begin(), anchors.end());
+    candidates.push_back({&sheet, anchors, anchorMiddle(sheet, landmarks), boxOf(sheet)});
+  }
+  const RelativeDeviations deviations(map, ids);
+  const auto areCertain = [&](const Candidate& a, const Candidate& b) {
+    double largest = 0.0;
+    for (const int one : a.anchors) {
+      for (const int other : b.anchors) largest = std::max(largest, deviations.between(one, other));
+    }
+    return largest <= most_deviation_m;
+  };
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    for (std::size_t j = i + 1; j < candidates.size(); ++j) {
+      const Candidate &a = candidates[i], &b = candidates[j];
+      const SheetPair pair(a.sheet->id, b.sheet->id);
+      const auto joined = joined_.find(pair);
+      const bool is_done =
+          joined != joined_.end() && joined->second >= std::max(a.sheet->written, b.sheet->written);
+      if (is_done || !intersect(a.box, b.box) || !areCertain(a, b)) continue;
+      CellMove(*this, *a.sheet, *b.sheet, a.middle, b.middle, revision).run();
+      CellMove(*this, *b.sheet, *a.sheet, b.middle, a.middle, revision).run();
+      joined_[pair] = revision;
+    }
+  }
+}
+
+}  // namespace hymm::core
