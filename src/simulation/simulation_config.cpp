@@ -119,6 +119,8 @@ void SimulatedGpsConfig::describe(ConfigSchema& schema) {
 void SimulatedAltimeterConfig::describe(ConfigSchema& schema) {
   schema.text("layer", layer, "of the dense map that its samples are for");
   schema.number("deviation_m", deviation_m, Range::positive(), "of a height, white");
+  schema.number("place_deviation_m", place_deviation_m, Range::notNegative(),
+                "of its place, as samples tell it: so far around, the ground is about as high");
 }
 
 void SimulationConfig::describe(ConfigSchema& schema) {

@@ -111,6 +111,7 @@ struct SimulatedGpsConfig {
 struct SimulatedAltimeterConfig {
   std::string layer = "height";  ///< that its samples are for
   double deviation_m = 0.05;
+  double place_deviation_m = 0.5;  ///< that samples claim, so that all cells under the car learn
 
   void describe(ConfigSchema& schema);
 };

@@ -119,10 +119,12 @@ void SimulationBagWriter::writePose(const core::Pose2& T_map_base, double time_s
 }
 
 void SimulationBagWriter::writeHeight(double height_m, double time_s) {
-  PropertySample message;  // at base_link itself, whose place there is certain
+  PropertySample message;  // at base_link
   message.header.stamp = ros::Time(time_s);
   message.header.frame_id = vehicle_.base_frame;
   message.layer = altimeter_.layer;
+  message.position_covariance[0] = message.position_covariance[3] =
+      altimeter_.place_deviation_m * altimeter_.place_deviation_m;
   message.value = height_m;
   message.variance = altimeter_.deviation_m * altimeter_.deviation_m;
   bag_.write("/property_samples", message.header.stamp, message);
