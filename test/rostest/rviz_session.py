@@ -42,9 +42,20 @@ class RvizSession:
 
     def cpu_s(self):
         """CPU time of RViz so far."""
-        with open(f"/proc/{self.process.pid}/stat") as stat:
-            fields = stat.read().rsplit(")", 1)[1].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        return sum(self.cpu_by_thread().values())
+
+    def cpu_by_thread(self):
+        """CPU time so far of threads of the same name; a name may stand for many."""
+        used = {}
+        for task in os.listdir(f"/proc/{self.process.pid}/task"):
+            try:
+                with open(f"/proc/{self.process.pid}/task/{task}/stat") as stat:
+                    name, fields = stat.read().split("(", 1)[1].rsplit(")", 1)
+            except OSError:  # it has ended meanwhile
+                continue
+            name, fields = name.rstrip("0123456789"), fields.split()
+            used[name] = used.get(name, 0.0) + (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        return used
 
     def close(self):
         for process in (self.process, self._screen):
