@@ -37,10 +37,6 @@ class CellMetric {
   /// By direction, counter-clockwise over a full turn; the second half holds the opposites of the
   /// first in the same order.
   const std::vector<CellStep>& steps() const { return steps_; }
-  int oppositeOf(int step) const {
-    const int half = static_cast<int>(steps_.size()) / 2;
-    return step < half ? step + half : step - half;
-  }
 
   /// Share by which the worst direction is longer along steps than straight.
   double error() const { return error_; }

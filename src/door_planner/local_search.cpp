@@ -109,70 +109,83 @@ LocalSearch::Link LocalSearch::bestLink(const Triangle::Local& other, Direction 
   return best;
 }
 
-// A*, the bound being the cheapest ground as the crow flies to the nearest that is looked for.
+/// Cells at which the search may end; when all of them are reached it does.
+void LocalSearch::aimAt(const std::vector<Triangle::Local>& others,
+                        const std::vector<bool>& wanted) {
+  is_end_.assign(labels_.size(), false);
+  ends_ = 0;
+  targets_.clear();
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    if (!wanted[i]) continue;
+    targets_.push_back((edges_ * others[i]).cast<float>());
+    visitNear(others[i], [&](int cell) {
+      if (!is_end_[std::size_t(cell)]) ++ends_;
+      is_end_[std::size_t(cell)] = true;
+    });
+  }
+}
+
+/// The cheapest ground as the crow flies to the nearest target.
+float LocalSearch::boundOf(int cell) const {
+  const Eigen::Vector2f here = (edges_ * placeOf(cell)).cast<float>();
+  float nearest = kInfinite;
+  for (const Eigen::Vector2f& target : targets_) {
+    nearest = std::min(nearest, (target - here).squaredNorm());
+  }
+  // Rounded down, so that the bound stays one.
+  return static_cast<float>(costs_.leastPerMetre() * (1.0 - 1e-5)) * std::sqrt(nearest);
+}
+
+void LocalSearch::push(float cost, int cell, int parent) {
+  Label& label = labels_[std::size_t(cell)];
+  if (cost >= label.cost) return;
+  if (label.bound < 0.0F) label.bound = boundOf(cell);
+  label.cost = cost;
+  label.parent = parent;
+  // As wide as a step is cheap at least: what is taken up too early is taken up again.
+  const float per_cost = 1.0F / std::max(cheapest_step_, 1e-6F);
+  const std::size_t to = std::max(bucket_, std::size_t((cost + label.bound) * per_cost));
+  if (to >= buckets_.size()) buckets_.resize(to + 1);
+  buckets_[to].push_back({cost, cell});
+}
+
+void LocalSearch::takeUp(const Entry& entry, Direction direction) {
+  const auto [cost, cell] = entry;
+  if (cost > labels_[std::size_t(cell)].cost) return;
+  if (is_end_[std::size_t(cell)]) {
+    is_end_[std::size_t(cell)] = false;
+    --ends_;
+  }
+  const float* steps = stepsFrom(cell);
+  for (std::size_t k = 0; k < step_offsets_.size(); ++k) {
+    float step = steps[k];
+    if (!(step < kInfinite)) continue;
+    const int next = cell + step_offsets_[k];
+    if (costs_.isDirected()) {
+      const int here = cells_[std::size_t(cell)], there = cells_[std::size_t(next)];
+      step +=
+          direction == Direction::kFrom ? costs_.passing(here, there) : costs_.passing(there, here);
+    }
+    push(cost + step, next, cell);
+  }
+}
+
+/// A*.
 void LocalSearch::spread(const Triangle::Local& place, Direction direction,
                          const std::vector<Triangle::Local>& others,
                          const std::vector<bool>& wanted) {
   labels_.assign(std::size_t(stride_) * std::size_t(rows_), Label{kInfinite, -1, -1.0F});
   for (std::vector<Entry>& bucket : buckets_) bucket.clear();
-  // Cells at which the search may end; when all of them are reached it does.
-  std::vector<bool> is_end(labels_.size(), false);
-  std::size_t ends = 0;
-  std::vector<Eigen::Vector2f> targets;  // in m, from the triangle's first corner
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    if (!wanted[i]) continue;
-    targets.push_back((edges_ * others[i]).cast<float>());
-    visitNear(others[i], [&](int cell) {
-      if (!is_end[std::size_t(cell)]) ++ends;
-      is_end[std::size_t(cell)] = true;
-    });
-  }
-  const auto least = static_cast<float>(costs_.leastPerMetre() * (1.0 - 1e-5));
-  const auto boundOf = [&](int cell) {
-    const Eigen::Vector2f here = (edges_ * placeOf(cell)).cast<float>();
-    float nearest = kInfinite;
-    for (const Eigen::Vector2f& target : targets) {
-      nearest = std::min(nearest, (target - here).squaredNorm());
-    }
-    return least * std::sqrt(nearest);
-  };
-  // As wide as a step is cheap at least: what is taken up too early is taken up again.
-  const float per_cost = 1.0F / std::max(cheapest_step_, 1e-6F);
-  std::size_t bucket = 0;
-  const auto push = [&](float cost, int cell, int parent) {
-    Label& label = labels_[std::size_t(cell)];
-    if (cost >= label.cost) return;
-    if (label.bound < 0.0F) label.bound = boundOf(cell);
-    label.cost = cost;
-    label.parent = parent;
-    const std::size_t to = std::max(bucket, std::size_t((cost + label.bound) * per_cost));
-    if (to >= buckets_.size()) buckets_.resize(to + 1);
-    buckets_[to].push_back({cost, cell});
-  };
+  bucket_ = 0;
+  aimAt(others, wanted);
   visitNear(place, [&](int cell) {
     push(static_cast<float>(oriented(place, placeOf(cell), direction)), cell, -1);
   });
-  const bool is_directed = costs_.isDirected(), is_from = direction == Direction::kFrom;
-  for (; bucket < buckets_.size() && ends > 0; ++bucket) {
-    while (!buckets_[bucket].empty()) {
-      const auto [cost, cell] = buckets_[bucket].back();
-      buckets_[bucket].pop_back();
-      if (cost > labels_[std::size_t(cell)].cost) continue;
-      if (is_end[std::size_t(cell)]) {
-        is_end[std::size_t(cell)] = false;
-        --ends;
-      }
-      const float* steps = stepsFrom(cell);
-      for (std::size_t k = 0; k < step_offsets_.size(); ++k) {
-        float step = steps[k];
-        if (!(step < kInfinite)) continue;
-        const int next = cell + step_offsets_[k];
-        if (is_directed) {
-          const int here = cells_[std::size_t(cell)], there = cells_[std::size_t(next)];
-          step += is_from ? costs_.passing(here, there) : costs_.passing(there, here);
-        }
-        push(cost + step, next, cell);
-      }
+  for (; bucket_ < buckets_.size() && ends_ > 0; ++bucket_) {
+    while (!buckets_[bucket_].empty()) {
+      const Entry entry = buckets_[bucket_].back();
+      buckets_[bucket_].pop_back();
+      takeUp(entry, direction);
     }
   }
 }

@@ -53,6 +53,10 @@ class LocalSearch {
   void prepare();
   void spread(const Triangle::Local& place, Direction direction,
               const std::vector<Triangle::Local>& others, const std::vector<bool>& wanted);
+  void aimAt(const std::vector<Triangle::Local>& others, const std::vector<bool>& wanted);
+  float boundOf(int cell) const;
+  void push(float cost, int cell, int parent);
+  void takeUp(const Entry& entry, Direction direction);
   const float* stepsFrom(int padded);
   int paddedIndex(int i, int j) const { return (j + pad_) * stride_ + i + pad_; }
   Triangle::Local placeOf(int padded) const;
@@ -82,6 +86,10 @@ class LocalSearch {
   std::vector<float> step_costs_;
   float cheapest_step_ = 0.0F;
   std::vector<std::vector<Entry>> buckets_;  ///< by cost
+  std::size_t bucket_ = 0;                   ///< that is taken up
+  std::vector<Eigen::Vector2f> targets_;     ///< in m, from the triangle's first corner
+  std::vector<bool> is_end_;                 ///< by padded cell
+  std::size_t ends_ = 0;                     ///< not yet reached
   std::vector<Label> labels_;                ///< by padded cell
 };
 

@@ -74,9 +74,10 @@ TEST(CellMetric, NeedsMoreThanSixteenDirectionsInSquareCells) {
 TEST(CellMetric, ListsOppositeStepsHalfATurnApart) {
   const Triangle sheared({Eigen::Vector2d(0, 0), Eigen::Vector2d(9, 1), Eigen::Vector2d(7, 8)});
   const CellMetric metric(sheared, 30, 40, 0.02);
-  for (std::size_t k = 0; k < metric.steps().size(); ++k) {
+  const std::size_t half = metric.steps().size() / 2;
+  for (std::size_t k = 0; k < half; ++k) {
     const CellStep& step = metric.steps()[k];
-    const CellStep& back = metric.steps()[std::size_t(metric.oppositeOf(static_cast<int>(k)))];
+    const CellStep& back = metric.steps()[k + half];
     EXPECT_EQ(step.di, -back.di);
     EXPECT_EQ(step.dj, -back.dj);
   }
