@@ -77,7 +77,7 @@ void PassiveStore::startUpdate(IntervalEffect effect, Commitment commitment) {
   if (commitment == Commitment::kHeld) held_ = std::make_shared<const IntervalEffect>(effect);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    update_.emplace();
+    update_.emplace(Update{});
     for (std::size_t row = 0; row < effect.active.size(); ++row) {
       update_->active_rows[effect.active[row]] = static_cast<int>(row);
     }

@@ -4,26 +4,11 @@
 
 /// What the node `cekf_slam` tells in /diagnostics.
 namespace hymm {
-namespace {
-
-constexpr double kOldInput_s = 2.0;
-
-}  // namespace
 
 void CekfSlamNode::diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   status.summary(DiagnosticStatus::OK, "All inputs arrive");
-  for (const SensorInputs::Traffic& traffic : inputs_.traffic()) {
-    status.add(traffic.topic + " messages", traffic.messages);
-    status.add(traffic.topic + " rate [Hz, wall]", traffic.rate_hz);
-    status.add(traffic.topic + " age [s, wall]", traffic.newest_age_s);
-    if (traffic.messages == 0) {
-      status.mergeSummary(DiagnosticStatus::WARN, "Nothing has come on " + traffic.topic);
-    } else if (traffic.newest_age_s > kOldInput_s) {
-      status.mergeSummary(DiagnosticStatus::WARN,
-                          "Nothing comes on " + traffic.topic + " any more");
-    }
-  }
+  inputs_.traffic().addTo(status);
   const std::lock_guard<std::mutex> lock(mutex_);
   if (paused_) status.mergeSummary(DiagnosticStatus::WARN, "Paused");
   if (!backlog_.empty()) {
@@ -46,6 +31,7 @@ void CekfSlamNode::diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& s
   const core::CekfSlam::Counts counts = filter_.counts();
   status.summary(DiagnosticStatus::OK, std::to_string(filter_.landmarkCount()) + " landmarks");
   if (counts.scans == 0) status.mergeSummary(DiagnosticStatus::WARN, "No scan has been used");
+  status.add("landmarks", filter_.landmarkCount());
   status.add("scans used", counts.scans);
   status.add("scans refused", counts.refused_scans);
   status.add("motion refused", counts.refused_motion);

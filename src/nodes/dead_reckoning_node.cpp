@@ -2,22 +2,21 @@
 
 #include "ros/odometry_conversions.h"
 #include "ros/sensor_conversions.h"
-#include "ros/steady_time.h"
 
 namespace hymm {
 namespace {
 
 constexpr std::uint32_t kQueue = 10000;
-constexpr double kOldInput_s = 2.0;
 
 }  // namespace
 
 DeadReckoningNode::DeadReckoningNode(const core::DeadReckoningConfig& config,
                                      const core::VehicleConfig& vehicle)
-    : config_(config), vehicle_(vehicle), dead_reckoning_(vehicle), last_wall_s_(steadyNow()) {
+    : config_(config), vehicle_(vehicle), dead_reckoning_(vehicle) {
   publisher_ = handle_.advertise<nav_msgs::Odometry>("odom", kQueue);
-  subscriber_ = handle_.subscribe("dead_reckoning", kQueue, &DeadReckoningNode::take, this,
-                                  ros::TransportHints().tcpNoDelay());
+  subscriber_ = traffic_.subscribe(handle_, "dead_reckoning", kQueue, &DeadReckoningNode::take,
+                                   this, ros::TransportHints().tcpNoDelay());
+  traffic_.expect(subscriber_.getTopic());
   diagnostics_.setHardwareID("none");
   diagnostics_.add("dead reckoning", this, &DeadReckoningNode::diagnose);
   diagnostics_timer_ = handle_.createSteadyTimer(
@@ -26,8 +25,6 @@ DeadReckoningNode::DeadReckoningNode(const core::DeadReckoningConfig& config,
 }
 
 void DeadReckoningNode::take(const DeadReckoning& message) {
-  ++messages_;
-  last_wall_s_ = steadyNow();
   if (isJumpBack(message)) {
     ROS_WARN("The time stamps ran back: dead reckoning begins anew at the origin.");
     dead_reckoning_.reset();
@@ -62,16 +59,8 @@ void DeadReckoningNode::publish(const ros::Time& stamp) {
 
 void DeadReckoningNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const std::string topic = subscriber_.getTopic();
-  const double age_s = steadyNow() - last_wall_s_;
   status.summary(DiagnosticStatus::OK, "Dead reckoning goes on");
-  if (messages_ == 0) {
-    status.summary(DiagnosticStatus::WARN, "Nothing has come on " + topic);
-  } else if (age_s > kOldInput_s) {
-    status.summary(DiagnosticStatus::WARN, "Nothing comes on " + topic + " any more");
-  }
-  status.add("messages", messages_);
-  status.add("age [s, wall]", age_s);
+  traffic_.addTo(status);
   status.add("clock resets", jumps_);
   for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);
 }

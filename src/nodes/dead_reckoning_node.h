@@ -8,6 +8,7 @@
 
 #include "common/config.h"
 #include "ros/cause_log.h"
+#include "ros/traffic_meter.h"
 #include "vehicle/dead_reckoning.h"
 #include "vehicle/dead_reckoning_config.h"
 
@@ -28,10 +29,9 @@ class DeadReckoningNode {
   core::VehicleConfig vehicle_;
   core::DeadReckoning dead_reckoning_;
   CauseLog causes_;
+  TrafficMeter traffic_;
   int messages_from_the_past_ = 0;
-  std::size_t messages_ = 0;
   std::size_t jumps_ = 0;
-  double last_wall_s_;
 
   ros::NodeHandle handle_;
   ros::Publisher publisher_;

@@ -31,14 +31,17 @@ DoorPlannerNode::DoorPlannerNode(const core::DoorPlannerConfig& config,
   request_handle_.setCallbackQueue(&request_queue_);
   plan_publisher_ = handle_.advertise<nav_msgs::Path>("plan", 2, kLatched);
   doors_publisher_ = handle_.advertise<visualization_msgs::MarkerArray>("doors", 1, kLatched);
-  subscribers_ = {
-      handle_.subscribe("landmarks", 2, &DoorPlannerNode::takeMap, this),
-      handle_.subscribe("landmark_updates", kQueue, &DoorPlannerNode::takeUpdate, this),
-      handle_.subscribe("ltrs", 2, &DoorPlannerNode::takeLtrs, this),
-      handle_.subscribe("ltr_grids", kQueue, &DoorPlannerNode::takeGrid, this),
-      handle_.subscribe("pose", 10, &DoorPlannerNode::takePose, this),
-      handle_.subscribe("level_sets", 16, &DoorPlannerNode::takeLevelSet, this),
-      request_handle_.subscribe("move_base_simple/goal", 2, &DoorPlannerNode::takeGoal, this)};
+  const auto listen = [&](ros::NodeHandle& handle, const char* topic, std::uint32_t queue,
+                          auto callback) {
+    subscribers_.push_back(traffic_.subscribe(handle, topic, queue, callback, this));
+  };
+  listen(handle_, "landmarks", 2, &DoorPlannerNode::takeMap);
+  listen(handle_, "landmark_updates", kQueue, &DoorPlannerNode::takeUpdate);
+  listen(handle_, "ltrs", 2, &DoorPlannerNode::takeLtrs);
+  listen(handle_, "ltr_grids", kQueue, &DoorPlannerNode::takeGrid);
+  listen(handle_, "pose", 10, &DoorPlannerNode::takePose);
+  listen(handle_, "level_sets", 16, &DoorPlannerNode::takeLevelSet);
+  listen(request_handle_, "move_base_simple/goal", 2, &DoorPlannerNode::takeGoal);
   services_ = {request_handle_.advertiseService("plan_path", &DoorPlannerNode::planPath, this),
                request_handle_.advertiseService("make_plan", &DoorPlannerNode::makePlan, this)};
   // Actionlib adds this time to the stamps of goals, and one near the end of time would throw in
@@ -49,6 +52,7 @@ DoorPlannerNode::DoorPlannerNode(const core::DoorPlannerConfig& config,
       [this](const PlanPathGoalConstPtr& goal) { executeAction(goal); }, false);
   action_->start();
   diagnostics_.setHardwareID("none");
+  diagnostics_.add("inputs", &traffic_, &TrafficMeter::diagnose);
   diagnostics_.add("door planner", this, &DoorPlannerNode::diagnose);
   diagnostics_timer_ = handle_.createSteadyTimer(
       ros::WallDuration(1.0),
@@ -146,6 +150,10 @@ void DoorPlannerNode::takePose(const geometry_msgs::PoseWithCovarianceStamped& m
 
 void DoorPlannerNode::takeLevelSet(const LevelSet& message) {
   if (!isOurFrame(message.header.frame_id, "level_sets")) return;
+  if (!std::isfinite(message.value)) {
+    causes_.count("level sets refused", "A level set of a value that is not finite is refused.");
+    return;
+  }
   auto set = std::make_shared<const InformedPlaces>(message);
   const std::lock_guard<std::mutex> lock(mutex_);
   level_sets_[message.value] = std::move(set);
@@ -221,7 +229,12 @@ void DoorPlannerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& stat
   status.add("layers taken", counts_.contents);
   status.add("layers without a change that counts", counts_.unchanged_contents);
   status.add("layers of another grid refused", feed_.refusedContents());
+  status.add("landmarks", mirror_.map().landmarks.size());
+  status.add("landmark version", mirror_.map().version);
+  status.add("level sets", level_sets_.size());
   status.add("last preparation [ms]", preparation_ms_);
+  status.add("answering a request, last [ms]", answer_ms_);
+  status.add("answering a request, worst [ms]", worst_answer_ms_);
   status.add("plans found blocked", blocked_plans_);
   for (const auto& [name, count] : answers_) status.add("requests answered " + name, count);
   for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);

@@ -28,6 +28,7 @@
 #include "pipeline/landmark_mirror.h"
 #include "ros/cause_log.h"
 #include "ros/plan_conversions.h"
+#include "ros/traffic_meter.h"
 #include "vehicle/vehicle_config.h"
 
 namespace hymm {
@@ -89,6 +90,7 @@ class DoorPlannerNode {
   core::DoorPlannerConfig config_;
   std::string map_frame_;
   CauseLog causes_;
+  TrafficMeter traffic_;
   core::DoorPlanner planner_;
 
   std::mutex mutex_;  ///< over what follows; never held while the planner computes
@@ -101,7 +103,7 @@ class DoorPlannerNode {
   std::map<std::string, std::size_t> answers_;  ///< by status
   std::size_t blocked_plans_ = 0;
   bool has_news_ = false, stopping_ = false;
-  double preparation_ms_ = 0.0;
+  double preparation_ms_ = 0.0, answer_ms_ = 0.0, worst_answer_ms_ = 0.0;
   core::DoorMap::Counts counts_;
   double doors_sent_s_ = -1.0;
 

@@ -1,5 +1,6 @@
 #include "nodes/hymm_grid_node.h"
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 
@@ -39,9 +40,12 @@ HymmGridNode::HymmGridNode(const core::HymmGridConfig& config, const core::Vehic
   subscribe<LandmarkUpdate>("landmark_updates");
   subscribe<LandmarkMap>("landmarks");
   subscribe<PropertySample>("property_samples");
+  traffic_.expect(subscribers_.front().getTopic());
+  traffic_.expect(handle_.resolveName("cekf/pose"));
   advertiseServices();
   call_spinner_.start();
   diagnostics_.setHardwareID("none");
+  diagnostics_.add("inputs", &traffic_, &TrafficMeter::diagnose);
   diagnostics_.add("dense map", this, &HymmGridNode::diagnose);
   diagnostics_timer_ = handle_.createSteadyTimer(
       ros::WallDuration(1.0),
@@ -60,8 +64,8 @@ template <class Message>
 void HymmGridNode::subscribe(const std::string& topic) {
   const boost::function<void(const boost::shared_ptr<const Message>&)> take_it =
       [this](const boost::shared_ptr<const Message>& message) { take(message); };
-  subscribers_.push_back(handle_.subscribe<Message>(topic, kUnbounded, take_it, ros::VoidConstPtr(),
-                                                    ros::TransportHints().tcpNoDelay()));
+  subscribers_.push_back(traffic_.subscribe<Message>(handle_, topic, kUnbounded, take_it,
+                                                     ros::TransportHints().tcpNoDelay()));
 }
 
 void HymmGridNode::take(const sensor_msgs::LaserScan::ConstPtr& message) {
@@ -118,7 +122,11 @@ void HymmGridNode::workOn() {
     }
     const std::optional<PairedScan> paired = waitForScan();
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (paired) process(*paired);
+    const double begin_s = steadyNow();
+    if (paired) {
+      process(*paired);
+      worst_latency_ms_ = std::max(worst_latency_ms_, 1e3 * (steadyNow() - begin_s));
+    }
     placeSamples();
     publishIfDue();
   }

@@ -29,6 +29,7 @@
 #include "ros/grid_output.h"
 #include "ros/sample_placer.h"
 #include "ros/scan_pairing.h"
+#include "ros/traffic_meter.h"
 #include "ros/transform_reader.h"
 #include "vehicle/vehicle_config.h"
 
@@ -87,6 +88,7 @@ class HymmGridNode {
   core::VehicleConfig vehicle_;
   ros::NodeHandle handle_, private_handle_{"~"};
   CauseLog causes_;
+  TrafficMeter traffic_;
   tf2_ros::Buffer tf_;
   TransformReader transforms_;
 
@@ -110,10 +112,11 @@ class HymmGridNode {
   ros::Time stamp_;  ///< of the last scan
   double agreement_;
   bool paused_ = false;
-  double step_wall_s_ = 0.0;     ///< when the last scan was processed
-  double publish_wall_s_ = 0.0;  ///< when changes were sent
-  bool is_settled_ = true;       ///< the whole map was sent after the last scan
-  ros::CallbackQueue calls_;     ///< of services and new subscribers
+  double worst_latency_ms_ = 0.0;  ///< of a scan, since the last diagnosis
+  double step_wall_s_ = 0.0;       ///< when the last scan was processed
+  double publish_wall_s_ = 0.0;    ///< when changes were sent
+  bool is_settled_ = true;         ///< the whole map was sent after the last scan
+  ros::CallbackQueue calls_;       ///< of services and new subscribers
   GridOutput output_;
 
   std::vector<ros::Subscriber> subscribers_;

@@ -189,6 +189,7 @@ void HymmGridNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   const GridStatus grid = this->status();
   const core::HybridMap::Counts& map = mapper_.map().counts();
   status.summary(DiagnosticStatus::OK, std::to_string(grid.ltrs) + " LTRs");
+  status.add("LTRs", grid.ltrs);
   if (grid.scans == 0) status.mergeSummary(DiagnosticStatus::WARN, "No scan has been written");
   if (paused_) status.mergeSummary(DiagnosticStatus::WARN, "Paused");
   status.add("scans written", grid.scans);
@@ -223,6 +224,8 @@ void HymmGridNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   status.add("cells packed [MB]", 1e-6 * static_cast<double>(grid.packed_bytes));
   status.add("cells waiting [MB]", 1e-6 * static_cast<double>(grid.waiting_bytes));
   status.add("agreement of scan and map", grid.agreement);
+  status.add("latency, worst of the last second [ms]", worst_latency_ms_);
+  worst_latency_ms_ = 0.0;
   status.add("CPU [s]", grid.cpu_s);
   if (output_.image().isCutOff()) {
     status.mergeSummary(DiagnosticStatus::WARN, "The map's image is cut off (image/max_memory_mb)");

@@ -44,14 +44,18 @@ InformationMapNode::InformationMapNode(const core::InformationMapConfig& config,
       "level_sets", 16,
       [this](const ros::SingleSubscriberPublisher& subscriber) { greet(subscriber); });
   islands_markers_ = handle_.advertise<visualization_msgs::MarkerArray>("islands", 1, true);
-  maps_ = handle_.subscribe("landmarks", 2, &InformationMapNode::takeMap, this);
-  poses_ = handle_.subscribe("cekf/pose", 10, &InformationMapNode::takePose, this);
-  dense_map_.subscribe(handle_);
+  maps_ = traffic_.subscribe<LandmarkMap>(
+      handle_, "landmarks", 2, [this](const LandmarkMapConstPtr& message) { takeMap(message); });
+  poses_ = traffic_.subscribe<FilterPose>(
+      handle_, "cekf/pose", 10, [this](const FilterPoseConstPtr& message) { takePose(message); });
+  traffic_.expect(handle_.resolveName("cekf/pose"));
+  dense_map_.subscribe(handle_, traffic_);
   evaluate_service_ =
       handle_.advertiseService("evaluate_information", &InformationMapNode::evaluate, this);
   suggest_service_ =
       handle_.advertiseService("suggest_exploration", &InformationMapNode::suggest, this);
   diagnostics_.setHardwareID("none");
+  diagnostics_.add("inputs", &traffic_, &TrafficMeter::diagnose);
   diagnostics_.add("level sets", this, &InformationMapNode::diagnose);
   diagnostics_timer_ = handle_.createSteadyTimer(
       ros::WallDuration(1.0),

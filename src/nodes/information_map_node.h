@@ -20,6 +20,7 @@
 #include "pipeline/latency_histogram.h"
 #include "ros/cause_log.h"
 #include "ros/dense_map_mirror.h"
+#include "ros/traffic_meter.h"
 
 namespace hymm {
 
@@ -59,6 +60,7 @@ class InformationMapNode {
   ros::NodeHandle handle_;
   std::string map_frame_;
   CauseLog causes_;
+  TrafficMeter traffic_;
   DenseMapMirror dense_map_;
 
   std::mutex engine_mutex_;  ///< over the engine; held while it computes

@@ -18,8 +18,7 @@ constexpr double kConnect_s = 1.0;    // from being registered to being connecte
 constexpr double kSilence_s = 2.0;    // rosbag repeats /clock at 10 Hz or more, paused or not
 constexpr double kAdvertise_s = 5.0;  // from when the player lives to when it tells its topics
 constexpr double kPoll_s = 0.1;
-
-void sleep(double duration_s) { ros::WallDuration(duration_s).sleep(); }
+constexpr double kTell_s = 1.0;  // between two diagnoses
 
 using NodesByTopic = std::map<std::string, std::set<std::string>>;
 
@@ -64,12 +63,18 @@ std::string joined(const std::string& list, const std::string& word) {
 PlaybackNode::PlaybackNode(const PlaybackConfig& config) : config_(config) {
   std::istringstream names(config.listeners);
   for (std::string name; names >> name;) listeners_.push_back(name);
-  clock_ = handle_.subscribe<rosgraph_msgs::Clock>(
-      "/clock", 10, [this](const rosgraph_msgs::Clock::ConstPtr&) { clock_wall_s_ = steadyNow(); });
-  grid_ = handle_.subscribe<GridStatus>(
-      "grid_status", 1000, [this](const GridStatus::ConstPtr&) { result_wall_s_ = steadyNow(); });
-  health_ = handle_.subscribe<FilterHealth>(
-      "cekf/health", 1000, [this](const FilterHealth::ConstPtr&) { result_wall_s_ = steadyNow(); });
+  const auto listen = [this](const char* topic, std::uint32_t queue, double& last_s, auto message) {
+    using Message = decltype(message);
+    return traffic_.subscribe<Message>(
+        handle_, topic, queue,
+        [&last_s](const boost::shared_ptr<const Message>&) { last_s = steadyNow(); });
+  };
+  clock_ = listen("/clock", 10, clock_wall_s_, rosgraph_msgs::Clock());
+  grid_ = listen("grid_status", 1000, result_wall_s_, GridStatus());
+  health_ = listen("cekf/health", 1000, result_wall_s_, FilterHealth());
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("inputs", &traffic_, &TrafficMeter::diagnose);
+  diagnostics_.add("playback", this, &PlaybackNode::diagnose);
 }
 
 void PlaybackNode::run() {
@@ -91,17 +96,19 @@ std::string PlaybackNode::missing() const {
 
 void PlaybackNode::waitForAll() {
   const double begin_s = steadyNow();
+  state_ = "Waits for the nodes that are to listen";
   for (std::string names = missing(); !names.empty() && ros::ok(); names = missing()) {
     if (steadyNow() - begin_s > config_.start_timeout_s) {
       throw std::runtime_error("the recording is not played, because these nodes do not listen: " +
                                names);
     }
-    sleep(kPoll_s);
+    pause();
   }
-  sleep(kConnect_s);
+  ros::WallDuration(kConnect_s).sleep();
 }
 
 void PlaybackNode::startPlayer() {
+  state_ = "Waits for the player";
   const std::string service = handle_.resolveName(config_.player) + "/pause_playback";
   const ros::WallDuration wait(config_.start_timeout_s);
   const double begin_s = steadyNow();
@@ -109,7 +116,7 @@ void PlaybackNode::startPlayer() {
     if (steadyNow() - begin_s > wait.toSec()) {
       throw std::runtime_error("the recording is not played: there is no service " + service);
     }
-    sleep(kPoll_s);
+    pause();
   }
   requireSensors();
   std_srvs::SetBool pause;
@@ -150,20 +157,35 @@ void PlaybackNode::requireSensors() const {
           "or other inputs by motion_input and observation_input of cekf_slam; a bag of a car's "
           "dead_reckoning alone needs dead_reckoning:=true");
     }
-    sleep(kPoll_s);
+    ros::WallDuration(kPoll_s).sleep();
     names = silentSensors();
   }
 }
 
 void PlaybackNode::waitForEnd() {
   clock_wall_s_ = result_wall_s_ = steadyNow();
+  state_ = "The recording is played";
   while (ros::ok()) {
     ros::spinOnce();
     const double newest_s = std::max(clock_wall_s_, result_wall_s_);
     if (steadyNow() - newest_s > kSilence_s) break;
-    sleep(kPoll_s);
+    pause();
   }
   if (ros::ok()) ROS_INFO("The recording has ended, and all of it is processed.");
+}
+
+/// Between two looks.
+void PlaybackNode::pause() {
+  if (steadyNow() - told_wall_s_ > kTell_s) {
+    told_wall_s_ = steadyNow();
+    diagnostics_.force_update();
+  }
+  ros::WallDuration(kPoll_s).sleep();
+}
+
+void PlaybackNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK, state_);
+  status.add("nodes that are to listen", config_.listeners);
 }
 
 }  // namespace hymm

@@ -4,12 +4,14 @@
 #include <string>
 #include <vector>
 
+#include <diagnostic_updater/diagnostic_updater.h>
 #include <hymm/FilterHealth.h>
 #include <hymm/GridStatus.h>
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
 
 #include "nodes/playback_config.h"
+#include "ros/traffic_meter.h"
 
 namespace hymm {
 
@@ -31,6 +33,8 @@ class PlaybackNode {
   std::string silentSensors() const;
   void requireSensors() const;
   void waitForEnd();
+  void pause();
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   PlaybackConfig config_;
   std::vector<std::string> listeners_;
@@ -38,6 +42,10 @@ class PlaybackNode {
   double result_wall_s_ = 0.0;  ///< when the filter, or what follows it, last answered
   ros::NodeHandle handle_;
   ros::Subscriber clock_, health_, grid_;
+  TrafficMeter traffic_;
+  diagnostic_updater::Updater diagnostics_;
+  std::string state_ = "Looks into the bag";
+  double told_wall_s_ = 0.0;
 };
 
 }  // namespace hymm

@@ -50,6 +50,7 @@ RelocaliserNode::RelocaliserNode(const core::RelocaliserConfig& config,
   global_service_ =
       handle_.advertiseService("global_localization", &RelocaliserNode::localiseGlobally, this);
   diagnostics_.setHardwareID("none");
+  diagnostics_.add("inputs", this, &RelocaliserNode::diagnoseInputs);
   diagnostics_.add("search", this, &RelocaliserNode::diagnose);
   diagnostics_timer_ = handle_.createSteadyTimer(
       ros::WallDuration(1.0),
@@ -68,12 +69,15 @@ RelocaliserNode::~RelocaliserNode() {
 void RelocaliserNode::subscribe(const std::string& motion_input) {
   const auto hints = ros::TransportHints().tcpNoDelay();
   const auto listen = [&](const char* topic, auto callback) {
-    subscribers_.push_back(handle_.subscribe(topic, kQueue, callback, this, hints));
+    subscribers_.push_back(traffic_.subscribe(handle_, topic, kQueue, callback, this, hints));
   };
   if (motion_input == "odom") {
     listen("odom", &RelocaliserNode::takeOdometry);
   } else {
     listen("dead_reckoning", &RelocaliserNode::takeDeadReckoning);
+  }
+  for (const char* topic : {motion_input.c_str(), "landmark_observations", "cekf/pose"}) {
+    traffic_.expect(handle_.resolveName(topic));
   }
   listen("landmark_observations", &RelocaliserNode::takeObservations);
   listen("cekf/pose", &RelocaliserNode::takePose);
@@ -305,6 +309,17 @@ void RelocaliserNode::publish(const core::SearchReport& report) {
 void RelocaliserNode::publishHealth() {
   const std::lock_guard<std::mutex> lock(health_mutex_);
   health_publisher_.publish(health_);
+}
+
+void RelocaliserNode::diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  traffic_.diagnose(status);
+  const std::lock_guard<std::mutex> lock(inputs_mutex_);
+  status.add("observations that wait for their pose", sets_.size());
+  status.add("poses that wait for their observations", poses_.size());
+  status.add("scans that wait to be used", paired_poses_.size());
+  status.add("dropped messages (out of order)", merger_.counts().out_of_order);
+  status.add("scans without motion past their stamp", merger_.counts().without_motion);
+  status.add("clock resets", merger_.counts().clock_resets);
 }
 
 void RelocaliserNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

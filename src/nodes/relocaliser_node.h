@@ -28,6 +28,7 @@
 #include "relocaliser/relocalisation.h"
 #include "ros/cause_log.h"
 #include "ros/filter_service_link.h"
+#include "ros/traffic_meter.h"
 #include "vehicle/vehicle_config.h"
 
 namespace hymm {
@@ -67,11 +68,13 @@ class RelocaliserNode {
   void obey(const FilterStatus& status);
   void publish(const core::SearchReport& report);
   void publishHealth();
+  void diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   std::string map_frame_;
   ros::NodeHandle handle_;
   CauseLog causes_;
+  TrafficMeter traffic_;
 
   std::mutex inputs_mutex_;  ///< over everything down to commands_
   std::condition_variable arrived_;

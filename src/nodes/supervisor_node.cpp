@@ -42,6 +42,7 @@ SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
   subscribe();
   set_mode_service_ = handle_.advertiseService("set_mode", &SupervisorNode::setMode, this);
   diagnostics_.setHardwareID("none");
+  diagnostics_.add("inputs", &traffic_, &TrafficMeter::diagnose);
   diagnostics_.add("supervisor", this, &SupervisorNode::diagnose);
   diagnostics_timer_ = handle_.createSteadyTimer(
       ros::WallDuration(1.0),
@@ -54,7 +55,7 @@ SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
 void SupervisorNode::subscribe() {
   const auto hints = ros::TransportHints().tcpNoDelay();
   const auto listen = [&](const char* topic, auto callback) {
-    subscribers_.push_back(handle_.subscribe(topic, kQueue, callback, this, hints));
+    subscribers_.push_back(traffic_.subscribe(handle_, topic, kQueue, callback, this, hints));
   };
   listen("cekf/pose", &SupervisorNode::takePose);
   listen("cekf/health", &SupervisorNode::takeHealth);
@@ -63,6 +64,8 @@ void SupervisorNode::subscribe() {
   listen("grid_status", &SupervisorNode::takeGridStatus);
   listen("odom", &SupervisorNode::takeOdometry);
   listen("gps/fix", &SupervisorNode::takeGps);
+  traffic_.expect(handle_.resolveName("cekf/pose"));
+  traffic_.expect(handle_.resolveName("cekf/health"));
 }
 
 void SupervisorNode::takePose(const FilterPose& message) {
@@ -98,9 +101,10 @@ void SupervisorNode::pairAnswers() {
 
 void SupervisorNode::processAnswers() {
   while (!answers_.empty() && isComplete(answers_.front().answer, answers_.front().since_s)) {
-    const FilterAnswer answer = answers_.front().answer;
+    const Waiting next = answers_.front();
     answers_.pop_front();
-    process(answer);
+    process(next.answer);
+    worst_latency_ms_ = std::max(worst_latency_ms_, 1e3 * (steadyNow() - next.since_s));
   }
 }
 
@@ -305,6 +309,13 @@ void SupervisorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.summary(well ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
                  core::nameOf(decision_.mode) + ": " + decision_.reason);
   status.add("poses", poses_);
+  status.add("latency from a pose to its decision, worst of the last second [ms]",
+             worst_latency_ms_);
+  status.add("poses not decided on yet", answers_.size());
+  status.add("poses or healths without the other", pairing_.unpaired());
+  status.add("landmarks", landmarks_.map().landmarks.size());
+  status.add("landmark version", landmarks_.map().version);
+  status.add("poses of the trajectory", trajectory_.message().poses.size());
   status.add("mode switches", mode_switches_);
   status.add("orders to the relocaliser", orders_);
   for (const core::EvidenceFigure& figure : decision_.figures)
@@ -314,6 +325,7 @@ void SupervisorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
     status.add("map -> odom from " + node, count);
     status.mergeSummary(DiagnosticStatus::ERROR, node + " publishes map -> odom, too");
   }
+  worst_latency_ms_ = 0.0;
 }
 
 }  // namespace hymm

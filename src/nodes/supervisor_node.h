@@ -24,6 +24,7 @@
 #include "ros/gps_overlay.h"
 #include "ros/map_odom_broadcaster.h"
 #include "ros/relocaliser_watch.h"
+#include "ros/traffic_meter.h"
 #include "ros/trajectory_path.h"
 #include "ros/transform_reader.h"
 #include "ros/transform_watch.h"
@@ -77,6 +78,8 @@ class SupervisorNode {
   core::GridAgreement agreement_;
   std::uint64_t orders_ = 0;  ///< to the relocaliser
   CauseLog causes_;
+  TrafficMeter traffic_;
+  double worst_latency_ms_ = 0.0;  ///< since the last diagnosis
   bool status_sent_ = false;
   std::optional<double> pose_wall_s_;
   ros::Time pose_stamp_;

@@ -35,10 +35,11 @@ std::string problemOf(const nav_msgs::OccupancyGrid& grid) {
 
 }  // namespace
 
-void DenseMapMirror::subscribe(ros::NodeHandle& handle) {
+void DenseMapMirror::subscribe(ros::NodeHandle& handle, TrafficMeter& traffic) {
   const auto hints = ros::TransportHints().tcpNoDelay();
-  maps_ = handle.subscribe("map", 2, &DenseMapMirror::takeMap, this, hints);
-  updates_ = handle.subscribe("map_updates", 1000, &DenseMapMirror::takeUpdate, this, hints);
+  maps_ = traffic.subscribe(handle, "map", 2, &DenseMapMirror::takeMap, this, hints);
+  updates_ =
+      traffic.subscribe(handle, "map_updates", 1000, &DenseMapMirror::takeUpdate, this, hints);
 }
 
 void DenseMapMirror::takeMap(const nav_msgs::OccupancyGrid& message) {

@@ -10,6 +10,7 @@
 
 #include "hybrid_map/occupancy_image.h"
 #include "ros/cause_log.h"
+#include "ros/traffic_meter.h"
 
 namespace hymm {
 
@@ -21,7 +22,8 @@ class DenseMapMirror {
   DenseMapMirror(std::string map_frame, CauseLog& causes)
       : map_frame_(std::move(map_frame)), causes_(causes) {}
 
-  void subscribe(ros::NodeHandle& handle);
+  /// What comes is counted in `traffic`, which outlives the object.
+  void subscribe(ros::NodeHandle& handle, TrafficMeter& traffic);
 
   void takeMap(const nav_msgs::OccupancyGrid& message);
   /// One that comes before its map is passed over: the map that follows holds it.

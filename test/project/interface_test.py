@@ -13,7 +13,7 @@ PAGE = ROOT / "doc" / "topics_and_services.md"
 
 ADVERTISED = re.compile(r'\badvertise<([\w:]+)>\(\s*(?:\w+,\s*)?"([^"]+)"')
 SERVICE = re.compile(r'\badvertiseService\(\s*"([^"]+)"')
-SUBSCRIBED = re.compile(r'\b(?:subscribe(?:<([\w:]+)>)?|listen)\(\s*"([^"]+)"')
+SUBSCRIBED = re.compile(r'\b(?:subscribe(?:<([\w:]+)>)?|listen)\(\s*(?:\w+,\s*)?"([^"]+)"')
 ACTION = re.compile(r'\bmake_unique<PlanServer>\(\s*\w+,\s*"([^"]+)"')
 TF = {"/tf", "/tf_static"}
 

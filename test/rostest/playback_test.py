@@ -1,15 +1,19 @@
 #!/usr/bin/python3
 """playback.launch leaves what hymm_offline leaves: for a car with encoders, for a robot that has
 only `odom`, and for one whose own detector publishes `detections`."""
+import contextlib
 import csv
 import json
 import os
+import signal
 import socket
 import subprocess
 import tempfile
 import time
 import unittest
 from pathlib import Path
+
+import rosbag
 
 ROOT = Path(__file__).parents[2]
 DURATION_S = 15
@@ -36,6 +40,27 @@ class Playback(unittest.TestCase):
 
     def play(self, bag, config, *arguments):
         port = free_port()
+        with self.recorded_diagnostics(port):
+            return self.launch(port, bag, config)
+
+    @contextlib.contextmanager
+    def recorded_diagnostics(self, port):
+        """It waits for the master, and outlives it."""
+        recorder = subprocess.Popen(
+            ["rosbag", "record", "--quiet", "-O", str(self.path / "diagnostics.bag"), "/diagnostics"],
+            env={**os.environ, "ROS_MASTER_URI": f"http://localhost:{port}"},
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            yield
+        finally:
+            recorder.send_signal(signal.SIGINT)
+            try:
+                recorder.wait(20)
+            except subprocess.TimeoutExpired:
+                recorder.kill()
+                recorder.wait()
+
+    def launch(self, port, bag, config):
         return subprocess.run(
             ["roslaunch", "--port", port, "hymm", "playback.launch", f"bag:={bag}",
              f"config:={config}", f"rate:={RATE}", f"output:={self.path / 'live'}",
@@ -88,6 +113,33 @@ class Playback(unittest.TestCase):
         self.expect_close("landmarks.csv", ",", columns=9)
         self.expect_same_modes()
 
+    def expect_diagnostics_agree(self):
+        """What the nodes told last is what the recorder wrote."""
+        told = {}
+        with rosbag.Bag(str(self.path / "diagnostics.bag")) as bag:
+            for _, message, _ in bag.read_messages():
+                for status in message.status:
+                    told[status.name] = {value.key: value.value for value in status.values}
+        live = json.loads((self.path / "live" / "summary.json").read_text())
+        for key, node, value in (
+                ("scans", "cekf_slam: filter", "scans used"),
+                ("landmarks", "cekf_slam: filter", "landmarks"),
+                ("observations", "cekf_slam: filter", "observations"),
+                ("associated", "cekf_slam: filter", "observations associated"),
+                ("rejected", "cekf_slam: filter", "observations rejected"),
+                ("map_corrections", "cekf_slam: filter", "map corrections"),
+                ("mode_switches", "supervisor: supervisor", "mode switches"),
+                ("ltrs", "hymm_grid: dense map", "LTRs"),
+                ("scans", "supervisor: supervisor", "poses")):
+            self.assertEqual(int(told[node][value]), live[key], f"{node}: {value}")
+        dropped = (int(told["cekf_slam: filter"]["scans refused"]) +
+                   int(told["cekf_slam: inputs"]["dropped scans"]))
+        self.assertEqual(dropped, live["dropped_scans"])
+        for node in ("cekf_slam", "hymm_grid", "information_map", "door_planner", "relocaliser",
+                     "supervisor", "recorder", "playback"):
+            inputs = told[f"{node}: inputs"]
+            self.assertTrue(any(key.endswith(" rate [Hz, wall]") for key in inputs), node)
+
     def expect_equal_maps(self):
         """The dense map of a playback without drops is that of an offline run."""
         live, offline = self.path / "live", self.path / "offline"
@@ -133,6 +185,7 @@ class Playback(unittest.TestCase):
         self.run_both("vehicle: simulated_car\n")
         self.expect_equal_results(scans=DURATION_S * SCANS_HZ)
         self.expect_equal_maps()
+        self.expect_diagnostics_agree()
 
     def test_robot_with_odom_only(self):
         self.run_both("vehicle: simulated_car\ncekf_slam: {motion_input: odom}\n",
