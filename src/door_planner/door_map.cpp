@@ -14,6 +14,9 @@ namespace {
 constexpr double kIndexCell_m = 10.0;
 /// Cells of other LTRs may be that much larger than an LTR's own.
 constexpr double kIndexMargin_m = 1.0;
+/// By which landmarks and borders may move relative to an LTR before its blocked cells are found
+/// anew; so much more is kept away from them.
+constexpr double kSolidSlack_m = 0.05;
 
 double factorOf(const LtrView& view) {
   return std::isnan(view.shape_factor) ? 1.0 : std::max(1.0, view.shape_factor);
@@ -43,12 +46,26 @@ int sideOfKey(const LtrView& view, const SideKey& key) {
   return kNone;
 }
 
+/// Of a stretch that does not cross the LTR from side to side.
+double distanceOf(const Solid& solid, const Corners& corners, const Triangle& triangle) {
+  if (triangle.contains(solid.from)) return 0.0;
+  double least = kNoPassing;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector2d &corner = corners[k], &next = corners[(k + 1) % 3];
+    least = std::min({least, distanceToSegment(solid.from, corner, next),
+                      distanceToSegment(solid.to, corner, next),
+                      distanceToSegment(corner, solid.from, solid.to)});
+  }
+  return least - solid.radius_m;
+}
+
 Eigen::Vector2d lowOf(const Corners& c) { return c[0].cwiseMin(c[1]).cwiseMin(c[2]); }
 Eigen::Vector2d highOf(const Corners& c) { return c[0].cwiseMax(c[1]).cwiseMax(c[2]); }
 
 }  // namespace
 
-DoorMap::DoorMap(const DoorPlannerConfig& config) : config_(config), index_(kIndexCell_m) {
+DoorMap::DoorMap(const DoorPlannerConfig& config)
+    : config_(config), index_(kIndexCell_m), landmark_index_(kIndexCell_m) {
   const std::vector<std::string> problems = config_.problems();
   if (!problems.empty()) throw ConfigError(problems);
   std::vector<std::string> ignored;
@@ -59,6 +76,7 @@ std::vector<int> DoorMap::setLtrs(const std::vector<LtrView>& ltrs) {
   is_reshaped_ = true;
   std::vector<int> unusable;
   std::set<int> present;
+  std::vector<int> moved, connected_anew;
   for (const LtrView& view : ltrs) {
     if (!isUsable(view)) {
       unusable.push_back(view.id);
@@ -66,6 +84,10 @@ std::vector<int> DoorMap::setLtrs(const std::vector<LtrView>& ltrs) {
     }
     present.insert(view.id);
     Region& region = regions_[view.id];
+    if (region.view.corners != view.corners) moved.push_back(view.id);
+    if (region.view.id == kNone || region.view.neighbours != view.neighbours) {
+      connected_anew.push_back(view.id);
+    }
     const bool is_same_grid =
         region.view.alpha_cells == view.alpha_cells && region.view.beta_cells == view.beta_cells;
     if (!is_same_grid) region = Region();
@@ -80,13 +102,124 @@ std::vector<int> DoorMap::setLtrs(const std::vector<LtrView>& ltrs) {
       continue;
     }
     if (region->second.costs) blockAround(region->first);
+    lookAround(region->second);
     index_.remove(region->first);
     to_block_.erase(region->first);
+    to_look_.erase(region->first);
     to_compute_.erase(region->first);
     region = regions_.erase(region);
   }
+  for (const int id : moved) {
+    to_look_.insert(id);
+    if (hasBorder(regions_.at(id))) lookAround(regions_.at(id));
+  }
+  for (const int id : connected_anew) lookAround(regions_.at(id));
   connectSides();
   return unusable;
+}
+
+void DoorMap::setLandmarks(const std::vector<SolidLandmark>& landmarks) {
+  std::map<int, SolidLandmark> before = std::move(landmarks_);
+  landmarks_.clear();
+  landmark_index_ = LtrIndex(kIndexCell_m);
+  discs_.clear();
+  const double reach_m = 0.5 * config_.vehicle.width_m;
+  const auto discOf = [this](const SolidLandmark& landmark) {
+    const bool is_told = std::isfinite(landmark.diameter_m) && landmark.diameter_m >= 0.0;
+    const double diameter_m = is_told ? landmark.diameter_m : config_.landmark_diameter_m;
+    return Solid{{landmark.id, landmark.id}, landmark.place, landmark.place, 0.5 * diameter_m};
+  };
+  const auto changed = [&](const Solid& disc) {
+    lookAround(disc.from, disc.from, disc.radius_m + reach_m);
+  };
+  for (const SolidLandmark& landmark : landmarks) {
+    if (!landmark.place.allFinite()) continue;
+    landmarks_[landmark.id] = landmark;
+    const Solid disc = discOf(landmark);
+    const Eigen::Vector2d radius = Eigen::Vector2d::Constant(disc.radius_m);
+    landmark_index_.place(static_cast<int>(discs_.size()), disc.from - radius, disc.from + radius);
+    discs_.push_back(disc);
+    const auto old = before.find(landmark.id);
+    const bool is_same = old != before.end() && old->second == landmark;
+    if (!is_same) changed(disc);
+    if (is_same) before.erase(old);
+  }
+  for (const auto& [id, landmark] : before) changed(discOf(landmark));
+}
+
+/// LTRs near a box, when landmarks or borders in it have changed.
+void DoorMap::lookAround(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double reach_m) {
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(reach_m + kIndexMargin_m);
+  index_.visit(low - margin, high + margin, [this](int near) { to_look_.insert(near); });
+}
+
+void DoorMap::lookAround(const Region& region) {
+  if (!config_.outside_is_occupied) return;
+  lookAround(lowOf(region.view.corners), highOf(region.view.corners), reach_m(region));
+}
+
+bool DoorMap::isBorder(const Region& region, int side) const {
+  return regions_.count(region.view.neighbours[std::size_t(side)]) == 0;
+}
+
+bool DoorMap::hasBorder(const Region& region) const {
+  return isBorder(region, 0) || isBorder(region, 1) || isBorder(region, 2);
+}
+
+/// Landmarks and borders in reach of a vehicle in the LTR, in its local coordinates.
+std::vector<Solid> DoorMap::solidsNear(const Region& region) const {
+  std::vector<Solid> solids;
+  const double reach = reach_m(region) + kSolidSlack_m;
+  const auto add = [&](Solid solid) {
+    // The index is coarse, and its boxes do not turn with the map.
+    if (distanceOf(solid, region.view.corners, region.triangle) > reach) return;
+    solid.from = region.triangle.toLocal(solid.from);
+    solid.to = region.triangle.toLocal(solid.to);
+    solids.push_back(solid);
+  };
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(reach);
+  const Eigen::Vector2d low = lowOf(region.view.corners) - margin;
+  const Eigen::Vector2d high = highOf(region.view.corners) + margin;
+  landmark_index_.visit(low, high, [&](int disc) { add(discs_[std::size_t(disc)]); });
+  if (config_.outside_is_occupied) {
+    index_.visit(low, high, [&](int id) {
+      const auto near = regions_.find(id);
+      if (near == regions_.end()) return;
+      const LtrView& view = near->second.view;
+      for (int k = 0; k < 3; ++k) {
+        if (!isBorder(near->second, k)) continue;
+        const auto end = std::size_t(k), next = std::size_t((k + 1) % 3);
+        add({{view.landmark_ids[end], view.landmark_ids[next]},
+             view.corners[end],
+             view.corners[next],
+             0.0});
+      }
+    });
+  }
+  std::sort(solids.begin(), solids.end(),
+            [](const Solid& a, const Solid& b) { return a.landmarks < b.landmarks; });
+  return solids;
+}
+
+/// What spans an LTR moves with it: only what has moved relative to it, or is another, counts.
+void DoorMap::findMovedSolids() {
+  for (const int id : to_look_) {
+    const auto found = regions_.find(id);
+    if (found == regions_.end() || !found->second.costs || to_block_.count(id) > 0) continue;
+    const Region& region = found->second;
+    const std::vector<Solid> now = solidsNear(region);
+    const Eigen::Matrix2d edges = region.triangle.edges();
+    const bool keeps =
+        std::equal(now.begin(), now.end(), region.solids.begin(), region.solids.end(),
+                   [&](const Solid& a, const Solid& b) {
+                     const double moved_m = std::max((edges * (a.from - b.from)).norm(),
+                                                     (edges * (a.to - b.to)).norm());
+                     return a.landmarks == b.landmarks &&
+                            moved_m + std::abs(a.radius_m - b.radius_m) <= kSolidSlack_m;
+                   });
+    if (!keeps) to_block_.insert(id);
+  }
+  to_look_.clear();
 }
 
 // The metric, and with it costs, follow the shape alone; K only scales them, but widens doors.
@@ -177,6 +310,11 @@ std::vector<bool> DoorMap::blockedCells(const Region& region) const {
                  if (found == regions_.end() || !found->second.costs) return;
                  blocked.keepAwayFrom(found->second.triangle, *found->second.costs);
                });
+  for (Solid solid : region.solids) {
+    solid.from = region.triangle.toGlobal(solid.from);
+    solid.to = region.triangle.toGlobal(solid.to);
+    blocked.keepAwayFrom(solid, kSolidSlack_m);
+  }
   for (int cell = 0; cell < region.costs->grid().cellCount(); ++cell) {
     if (region.costs->isOccupied(cell)) blocked.free(cell);
   }
@@ -188,6 +326,7 @@ void DoorMap::findBlocked() {
     Region& region = regions_.at(id);
     if (!region.costs) continue;
     ++counts_.blocked;
+    region.solids = solidsNear(region);
     const std::vector<bool> blocked = blockedCells(region);
     if (blocked != region.costs->blocked()) {
       auto costs = std::make_shared<CellCosts>(*region.costs);
@@ -211,13 +350,32 @@ void DoorMap::findBlocked() {
   to_block_.clear();
 }
 
+/// Stretches of a side that lie in landmarks.
+std::vector<std::pair<double, double>> DoorMap::stretchesOf(const Region& region,
+                                                            const SideKey& key) const {
+  const int side = sideOfKey(region.view, key);
+  const Eigen::Vector2d first = region.triangle.toGlobal(placeOnSide(region.view, side, 0.0));
+  const Eigen::Vector2d along =
+      region.triangle.toGlobal(placeOnSide(region.view, side, 1.0)) - first;
+  std::vector<std::pair<double, double>> stretches;
+  for (const Solid& solid : region.solids) {
+    if (!solid.isLandmark()) continue;
+    const Eigen::Vector2d apart = region.triangle.toGlobal(solid.from) - first;
+    const double at = apart.dot(along) / along.squaredNorm();
+    const double half2 = (solid.radius_m * solid.radius_m - (apart - at * along).squaredNorm()) /
+                         along.squaredNorm();
+    if (half2 > 0.0) stretches.emplace_back(at - std::sqrt(half2), at + std::sqrt(half2));
+  }
+  return stretches;
+}
+
 SideDoors DoorMap::doorsOf(const SideKey& key, const Side& side) const {
   const Region& one = regions_.at(side.ltrs[0]);
   const Region& other = regions_.at(side.ltrs[1]);
   if (!one.in_force || !other.in_force) return {};
   return core::findDoors({one.view, sideOfKey(one.view, key), *one.in_force},
                          {other.view, sideOfKey(other.view, key), *other.in_force},
-                         config_.vehicle.width_m, config_.portal_spacing_m);
+                         stretchesOf(one, key), config_.vehicle.width_m, config_.portal_spacing_m);
 }
 
 void DoorMap::findDoors() {
@@ -250,6 +408,7 @@ void DoorMap::computeMatrix(Region& region) {
 }
 
 std::size_t DoorMap::prepare(const Eigen::Vector2d& place, std::size_t max_matrices) {
+  findMovedSolids();
   findBlocked();
   findDoors();
   std::vector<std::pair<double, int>> order;

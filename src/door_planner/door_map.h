@@ -11,6 +11,7 @@
 
 #include "door_planner/door_graph.h"
 #include "door_planner/door_planner_config.h"
+#include "door_planner/solid.h"
 #include "hybrid_map/ltr_index.h"
 
 namespace hymm::core {
@@ -34,6 +35,10 @@ class DoorMap {
   /// out, and returned.
   std::vector<int> setLtrs(const std::vector<LtrView>& ltrs);
 
+  /// All landmarks there are, whether they span LTRs or not. Costs are computed anew only where one
+  /// has moved relative to an LTR near it, or is another.
+  void setLandmarks(const std::vector<SolidLandmark>& landmarks);
+
   /// What the cells of an LTR hold now. False, and nothing changed, if there is no such LTR or an
   /// array does not fit its grid.
   bool setContent(int ltr, const LtrContent& content);
@@ -53,6 +58,7 @@ class DoorMap {
     Triangle triangle;
     Triangle computed;  ///< its geometry when its costs were computed
     double computed_factor = 1.0;
+    std::vector<Solid> solids;  ///< that its cells are kept away from, in its local coordinates
     std::shared_ptr<const CellCosts> costs;     ///< null while nothing is known
     std::shared_ptr<const CellCosts> in_force;  ///< those that doors and matrix belong to
     std::shared_ptr<const CostMatrix> matrix;
@@ -64,9 +70,17 @@ class DoorMap {
 
   void connectSides();
   void touchShape(Region& region);
+  void lookAround(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double reach_m);
+  void lookAround(const Region& region);
+  bool isBorder(const Region& region, int side) const;
+  bool hasBorder(const Region& region) const;
+  std::vector<Solid> solidsNear(const Region& region) const;
+  void findMovedSolids();
   void blockAround(int ltr);
   void findBlocked();
   void findDoors();
+  std::vector<std::pair<double, double>> stretchesOf(const Region& region,
+                                                     const SideKey& key) const;
   SideDoors doorsOf(const SideKey& key, const Side& side) const;
   void computeMatrix(Region& region);
   std::vector<bool> blockedCells(const Region& region) const;
@@ -79,6 +93,10 @@ class DoorMap {
   std::map<int, Region> regions_;
   std::map<SideKey, Side> sides_;
   LtrIndex index_;
+  std::map<int, SolidLandmark> landmarks_;
+  LtrIndex landmark_index_;   ///< of their numbers in `discs_`
+  std::vector<Solid> discs_;  ///< of the landmarks, in map
+  std::set<int> to_look_;     ///< LTRs near which a landmark or a border may have moved
   std::set<int> to_block_, to_compute_;
   std::set<SideKey> to_open_;
   std::uint64_t next_door_id_ = 1;

@@ -37,6 +37,11 @@ std::vector<int> DoorPlanner::setLtrs(const std::vector<LtrView>& ltrs) {
   return map_.setLtrs(ltrs);
 }
 
+void DoorPlanner::setLandmarks(const std::vector<SolidLandmark>& landmarks) {
+  weighted_maps_.setLandmarks(landmarks);
+  map_.setLandmarks(landmarks);
+}
+
 bool DoorPlanner::setContent(int ltr, std::shared_ptr<const LtrContent> content) {
   if (!map_.setContent(ltr, *content)) return false;
   weighted_maps_.setContent(ltr, std::move(content));

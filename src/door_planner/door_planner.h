@@ -21,6 +21,7 @@ namespace hymm::core {
 ///
 ///   DoorPlanner planner(config);
 ///   planner.setLtrs(views);                // where LTRs are, and who neighbours whom
+///   planner.setLandmarks(landmarks);       // which no vehicle passes
 ///   planner.setContent(id, content);       // what their cells hold
 ///   planner.prepare(vehicle);              // doors and cost matrices of what changed
 ///   planner.plan(request);
@@ -35,6 +36,7 @@ class DoorPlanner {
 
   /// See DoorMap.
   std::vector<int> setLtrs(const std::vector<LtrView>& ltrs);
+  void setLandmarks(const std::vector<SolidLandmark>& landmarks);
   bool setContent(int ltr, const LtrContent& content) {
     return setContent(ltr, std::make_shared<const LtrContent>(content));
   }

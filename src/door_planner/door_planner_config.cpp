@@ -129,6 +129,8 @@ void RefinementConfig::describe(ConfigSchema& schema) {
                  "of the search by RRT* in all of a path, where simple curves are blocked");
   schema.number("step_m", step_m, Range{0.05, 2.0, false},
                 "between poses of a refined path, at most; so often it is checked");
+  schema.number("direction_change_m", direction_change_m, Range::notNegative(),
+                "of cheapest ground, what a change of direction costs");
   schema.integer("seed", seed, Range::between(0.0, 2147483647.0), "of the search");
 }
 
@@ -144,6 +146,11 @@ void DoorPlannerConfig::describe(ConfigSchema& schema) {
                 "share by which a path along cells is longer than a straight one, at worst");
   schema.number("shape_tolerance", shape_tolerance, Range{0.0001, 0.2, false},
                 "share by which a length in an LTR may change before its costs are computed anew");
+  schema.number("landmark_diameter_m", landmark_diameter_m, Range::notNegative(),
+                "of a landmark whose diameter is not told: each is a solid disc");
+  schema.flag("outside_is_occupied", outside_is_occupied,
+              "the vehicle's disc stays within the LTRs, beyond which the planner knows nothing; "
+              "else it may reach beyond them, where only landmarks are avoided");
   schema.number("tolerance_m", tolerance_m, Range{0.0, 100.0, false},
                 "by which start and goal are moved if they are occupied, where a request does not "
                 "say");

@@ -64,6 +64,7 @@ struct RefinementConfig {
   bool enabled = true;
   int iterations = 2000;
   double step_m = 0.25;
+  double direction_change_m = 5.0;
   int seed = 1;
 
   void describe(ConfigSchema& schema);
@@ -78,6 +79,8 @@ struct DoorPlannerConfig {
   double district_m = 100.0;
   double max_metric_error = 0.02;
   double shape_tolerance = 0.01;
+  double landmark_diameter_m = 0.5;
+  bool outside_is_occupied = true;
   double tolerance_m = 1.0;
   double time_limit_s = 1.0;
   std::string goal;

@@ -106,8 +106,8 @@ std::vector<PathRefinement::Station> PathRefinement::stationsAlong(
   return stations;
 }
 
-/// Along a way from a free pose: K weighted, of changes of direction as much as a turning radius of
-/// free ground each; infinite where the car does not fit.
+/// Along a way from a free pose: K weighted, and of its changes of direction; infinite where the
+/// car does not fit.
 double PathRefinement::costOf(const std::vector<CarPose>& way, const Pose2& start,
                               const Request& request) const {
   double sum = 0.0;
@@ -119,7 +119,7 @@ double PathRefinement::costOf(const std::vector<CarPose>& way, const Pose2& star
     sum += graph_.integrateFromAny(ltr, before, here);
     if (sum == kNoPassing) return sum;
     if (i > 0 && way[i].is_backwards != way[i - 1].is_backwards) {
-      sum += space_.turningRadius_m() * graph_.leastPerMetre();
+      sum += changeCost();
     }
     if (!graph_.ltr(ltr).triangle.contains(here)) ltr = graph_.locate(here);
     if (ltr == kNone) return kNoPassing;
@@ -294,6 +294,7 @@ PathRefinement::Outcome PathRefinement::refine(const std::vector<PathPoint>& pat
   }
   if (stations.back().isReached()) {
     outcome.poses = collect(stations);
+    shorten(outcome.poses, request);
   } else {
     outcome.failure = "no way for its turning radius was found beside the path";
   }

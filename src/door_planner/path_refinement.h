@@ -16,7 +16,8 @@ namespace hymm::core {
 
 /// Makes of a path for a disc one for a car: poses beside the path's corners are joined by shortest
 /// curves of the car, so that what they cost together is least; where none is free, RRT* looks for
-/// a way within the LTRs that the path crosses and those beside them.
+/// a way within the LTRs that the path crosses and those beside them. What comes of it is
+/// shortened.
 class PathRefinement {
  public:
   struct Request {
@@ -40,6 +41,10 @@ class PathRefinement {
         footprint_(vehicle),
         space_(vehicle.turning_radius_m, vehicle.can_reverse) {}
 
+  /// Pairs of poses of a way, from far to near, are joined by the shortest curve where that is free
+  /// and cheaper, changes of direction included. What was found is kept when it is stopped.
+  void shorten(std::vector<CarPose>& poses, const Request& request) const;
+
   Outcome refine(const std::vector<PathPoint>& path, const Request& request) const;
 
  private:
@@ -62,6 +67,7 @@ class PathRefinement {
     std::size_t cheapest() const;
   };
   struct Run;
+  struct Drive;
 
   std::vector<Station> stationsAlong(const std::vector<PathPoint>& path,
                                      const Request& request) const;
@@ -71,6 +77,10 @@ class PathRefinement {
                      Station& station) const;
   bool isFree(const Pose2& pose, const Request& request) const;
   double costOf(const std::vector<CarPose>& way, const Pose2& start, const Request& request) const;
+  /// Of a change of direction.
+  double changeCost() const { return config_.direction_change_m * graph_.leastPerMetre(); }
+  void measure(Drive& drive) const;
+  bool cut(Drive& drive, std::size_t from, std::size_t to, const Request& request) const;
   bool reach(std::vector<Station>& stations, std::size_t to, const Request& request) const;
   bool searchTo(std::vector<Station>& stations, std::size_t to, Run& run) const;
   CarSpace::Maze mazeBetween(const std::vector<Station>& stations, std::size_t from, std::size_t to,

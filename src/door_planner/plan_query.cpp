@@ -123,8 +123,8 @@ std::optional<Plan> PlanQuery::place(const std::string& what, const Eigen::Vecto
   }
   return refusedPlan(occupied,
                      where +
-                         " is occupied, or too near to something that is for the vehicle's width; "
-                         "a larger tolerance lets it be moved.");
+                         " is occupied, or too near to something that is, or to the border of the "
+                         "map, for the vehicle's width; a larger tolerance lets it be moved.");
 }
 
 Plan PlanQuery::stopped() const {

@@ -83,7 +83,11 @@ void PlannerFeed::setTopology(const std::vector<LtrTopology>& topology) {
 
 void PlannerFeed::setLandmarks(const std::vector<LandmarkEstimate>& landmarks) {
   landmarks_.clear();
-  for (const LandmarkEstimate& landmark : landmarks) landmarks_[landmark.id] = landmark.position;
+  solids_.clear();
+  for (const LandmarkEstimate& landmark : landmarks) {
+    landmarks_[landmark.id] = landmark.position;
+    solids_.push_back({landmark.id, landmark.position, landmark.diameter_m});
+  }
   geometry_changed_ = true;
 }
 
@@ -124,6 +128,7 @@ bool PlannerFeed::tell(DoorPlanner& planner) {
       if (told_.count(id) == 0) changed_.insert(id);
     }
     for (const int unusable : planner.setLtrs(views)) present.erase(unusable);
+    planner.setLandmarks(solids_);
     told_ = std::move(present);
     geometry_changed_ = false;
   }

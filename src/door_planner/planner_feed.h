@@ -28,7 +28,7 @@ class PlannerFeed {
  public:
   /// All LTRs there are.
   void setTopology(const std::vector<LtrTopology>& topology);
-  /// Places of landmarks; those that are not in it are no more.
+  /// Places and diameters of landmarks; those that are not in it are no more.
   void setLandmarks(const std::vector<LandmarkEstimate>& landmarks);
   /// A layer of an LTR; false if it cannot be decoded.
   bool setLayer(int ltr, const std::string& name, const std::string& model, int channels,
@@ -46,6 +46,7 @@ class PlannerFeed {
  private:
   std::map<int, LtrTopology> topology_;
   std::unordered_map<int, Eigen::Vector2d> landmarks_;
+  std::vector<SolidLandmark> solids_;                                    ///< the same
   std::unordered_map<int, std::shared_ptr<const LtrContent>> contents_;  ///< shared with planners
   std::set<int> told_;     ///< LTRs that the planner knows
   std::set<int> changed_;  ///< contents

@@ -24,7 +24,8 @@ struct SideSamples {
   }
 };
 
-SideSamples sample(const SideView& one, const SideView& other) {
+SideSamples sample(const SideView& one, const SideView& other,
+                   const std::vector<std::pair<double, double>>& solid) {
   int cells = 1;
   for (const SideView* view : {&one, &other}) {
     cells = std::max({cells, view->costs.grid().alphaCells(), view->costs.grid().betaCells()});
@@ -39,6 +40,11 @@ SideSamples sample(const SideView& one, const SideView& other) {
       const int cell = view->costs.grid().index(placeOnSide(view->ltr, view->side, samples.at(i)));
       if (view->costs.isOccupied(cell)) samples.free[i] = false;
       if (!view->costs.isPassable(cell)) samples.passable[i] = false;
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const auto& [from, to] : solid) {
+      if (from < samples.at(i) && samples.at(i) < to) samples.free[i] = false;
     }
   }
   return samples;
@@ -97,9 +103,10 @@ Triangle::Local placeOnSide(const LtrView& ltr, int side, double at) {
   return {0.0, 1.0 - t};
 }
 
-SideDoors findDoors(const SideView& one, const SideView& other, double vehicle_width_m,
+SideDoors findDoors(const SideView& one, const SideView& other,
+                    const std::vector<std::pair<double, double>>& solid, double vehicle_width_m,
                     double spacing_m) {
-  const SideSamples samples = sample(one, other);
+  const SideSamples samples = sample(one, other, solid);
   const double length_m = sideLength(one.ltr, one.side);
   const double sample_m = length_m / static_cast<double>(samples.count());
   const double needed_m =

@@ -49,8 +49,10 @@ struct SideView {
 
 /// Doors are where a side is passable in the cells of both LTRs, and free over at least the
 /// vehicle's width times the larger K of the two. Portals are at most `spacing_m`, and a quarter of
-/// the side, apart. Doors without an id (0) are new: see keepIds().
-SideDoors findDoors(const SideView& one, const SideView& other, double vehicle_width_m,
+/// the side, apart. `solid`: stretches of the side that are not free, whatever the cells hold.
+/// Doors without an id (0) are new: see keepIds().
+SideDoors findDoors(const SideView& one, const SideView& other,
+                    const std::vector<std::pair<double, double>>& solid, double vehicle_width_m,
                     double spacing_m);
 
 /// Gives doors the ids of those that they overlap most with, and new ones from `next_id` on.

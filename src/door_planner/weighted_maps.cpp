@@ -25,6 +25,12 @@ void WeightedMaps::setLtrs(const std::vector<LtrView>& ltrs) {
   ++version_;
 }
 
+void WeightedMaps::setLandmarks(const std::vector<SolidLandmark>& landmarks) {
+  const std::lock_guard<std::mutex> lock(map_mutex_);
+  landmarks_ = landmarks;
+  ++version_;
+}
+
 void WeightedMaps::setContent(int ltr, std::shared_ptr<const LtrContent> content) {
   const std::lock_guard<std::mutex> lock(map_mutex_);
   contents_[ltr] = std::move(content);
@@ -59,6 +65,7 @@ void WeightedMaps::tell(Variant& variant) {
   variant.version = version_;
   variant.graph.reset();
   variant.map.setLtrs(ltrs_);
+  variant.map.setLandmarks(landmarks_);
   for (const auto& [ltr, content] : contents_) {
     if (variant.contents[ltr] != content) variant.map.setContent(ltr, *content);
   }

@@ -22,6 +22,7 @@ class WeightedMaps {
   explicit WeightedMaps(const DoorPlannerConfig& config) : config_(config) {}
 
   void setLtrs(const std::vector<LtrView>& ltrs);
+  void setLandmarks(const std::vector<SolidLandmark>& landmarks);
   void setContent(int ltr, std::shared_ptr<const LtrContent> content);
 
   /// Up to date, with `weights` (PathCostConfig::with) in place of those that are configured; null,
@@ -48,6 +49,7 @@ class WeightedMaps {
   DoorPlannerConfig config_;
   std::mutex map_mutex_;  ///< over what follows
   std::vector<LtrView> ltrs_;
+  std::vector<SolidLandmark> landmarks_;
   std::map<int, std::shared_ptr<const LtrContent>> contents_;
   std::uint64_t version_ = 1;
   std::mutex variants_mutex_;

@@ -1,5 +1,8 @@
 #include "pipeline/door_stage.h"
 
+#include <limits>
+#include <map>
+
 #include "common/cpu_timer.h"
 #include "common/error.h"
 #include "common/unfinished_file.h"
@@ -9,24 +12,29 @@
 namespace hymm::core {
 namespace {
 
-std::vector<LandmarkEstimate> verticesOf(const LtrMesh& mesh) {
-  std::vector<LandmarkEstimate> vertices;
+/// The landmarks, and those vertices of a map from elsewhere that are not among them.
+std::vector<LandmarkEstimate> withVertices(const LandmarkMap& landmarks, const LtrMesh& mesh) {
+  std::map<int, LandmarkEstimate> all;
+  for (const LandmarkEstimate& landmark : landmarks.landmarks) all[landmark.id] = landmark;
   for (const int id : mesh.vertexLandmarks()) {
     LandmarkEstimate vertex;
     vertex.id = id;
-    vertex.position = mesh.vertex(mesh.findVertex(id)).position;
-    vertices.push_back(vertex);
+    vertex.diameter_m = std::numeric_limits<double>::quiet_NaN();
+    LandmarkEstimate& known = all.emplace(id, vertex).first->second;
+    known.position = mesh.vertex(mesh.findVertex(id)).position;
   }
-  return vertices;
+  std::vector<LandmarkEstimate> list;
+  for (const auto& [id, landmark] : all) list.push_back(landmark);
+  return list;
 }
 
 }  // namespace
 
-void feedFrom(const GridMapper& mapper, PlannerFeed& feed) {
+void feedFrom(const GridMapper& mapper, const LandmarkMap& landmarks, PlannerFeed& feed) {
   const HybridMap& map = mapper.map();
   const std::vector<LtrTopology> topology = mapper.topology();
   feed.setTopology(topology);
-  feed.setLandmarks(verticesOf(map.partition().mesh()));
+  feed.setLandmarks(withVertices(landmarks, map.partition().mesh()));
   for (const LtrTopology& ltr : topology) {
     const LtrCells* cells = map.cells(ltr.id);
     for (int layer = 0; layer < map.layers().count(); ++layer) {
@@ -73,9 +81,14 @@ DoorStage::DoorStage(const DoorPlannerConfig& config) : config_(config) {
 void DoorStage::takeScan(const ScanStep& step, CekfSlam&) {
   T_map_base_ = step.outcome.pose.T_map_base;
   outcome_.reset();
+  if (step.map) landmarks_.take(*step.map);
+  landmarks_.take(step.update);
 }
 
-void DoorStage::reset(double) { T_map_base_.reset(); }
+void DoorStage::reset(double) {
+  T_map_base_.reset();
+  landmarks_ = LandmarkMirror();
+}
 
 bool DoorStage::hasWork() const {
   return mapper_ != nullptr && T_map_base_ && (config_.goalPlace() || config_.check_queries > 0);
@@ -88,7 +101,7 @@ const DoorStage::Outcome& DoorStage::outcome() const {
   const CpuTimer timer(cpu_s_);
   PlannerFeed feed;
   DoorPlanner planner(config_);
-  feedFrom(*mapper_, feed);
+  feedFrom(*mapper_, landmarks_.map(), feed);
   feed.tell(planner);
   planner.prepare(T_map_base_->position());
   planner.prepareDistricts();
@@ -103,7 +116,8 @@ const DoorStage::Outcome& DoorStage::outcome() const {
     outcome_->plan = planner.plan(request);
   }
   if (config_.check_queries > 0) {
-    outcome_->queries = checkQueries(planner, mapper_->map(), config_.check_queries);
+    outcome_->queries =
+        checkQueries(planner, mapper_->map(), landmarks_.map(), config_.check_queries);
   }
   return *outcome_;
 }

@@ -6,12 +6,14 @@
 #include "door_planner/door_planner.h"
 #include "door_planner/planner_feed.h"
 #include "pipeline/grid_mapper.h"
+#include "pipeline/landmark_mirror.h"
 #include "pipeline/suite_stage.h"
 
 namespace hymm::core {
 
-/// Tells the feed all that a hybrid map holds now: topology, places of the vertices, and layers.
-void feedFrom(const GridMapper& mapper, PlannerFeed& feed);
+/// Tells the feed all that a hybrid map holds now, topology, places of the vertices and layers, and
+/// the landmarks of the same version.
+void feedFrom(const GridMapper& mapper, const LandmarkMap& landmarks, PlannerFeed& feed);
 
 /// The content of plan.csv: a line a point, with the landmarks that it moves with.
 std::string planText(const Plan& plan);
@@ -49,6 +51,7 @@ class DoorStage : public SuiteStage {
   DoorPlannerConfig config_;
   const GridMapper* mapper_ = nullptr;
   std::optional<Pose2> T_map_base_;
+  LandmarkMirror landmarks_;
   mutable std::optional<Outcome> outcome_;
   mutable double cpu_s_ = 0.0;
 };

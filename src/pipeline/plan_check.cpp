@@ -12,8 +12,9 @@ namespace hymm::core {
 namespace {
 
 constexpr double kEvery_m = 0.01;
-constexpr int kRim = 16;           ///< places on the rim of a disc of the vehicle's width
-constexpr double kSlack_m = 0.02;  ///< headings come from chords
+constexpr double kStride_m = 0.05;  ///< at which distances to what stands there are asked for
+constexpr int kRim = 16;            ///< places on the rim of a disc of the vehicle's width
+constexpr double kSlack_m = 0.02;   ///< headings come from chords
 
 Eigen::Vector2d placeIn(const DoorGraph& graph, RandomGenerator& generator) {
   const auto number = static_cast<std::size_t>(
@@ -25,7 +26,8 @@ Eigen::Vector2d placeIn(const DoorGraph& graph, RandomGenerator& generator) {
 
 class Checker {
  public:
-  Checker(const DoorPlanner& planner, const HybridMap& map) : planner_(planner), map_(map) {}
+  Checker(const DoorPlanner& planner, const HybridMap& map, const LandmarkMap& landmarks)
+      : planner_(planner), map_(map), standing_(map, landmarks.landmarks, planner.config()) {}
 
   bool isOccupied(const Eigen::Vector2d& place) const {
     const LayerQuery query = map_.query("occupancy", place);
@@ -43,6 +45,28 @@ class Checker {
       }
     }
     return sum;
+  }
+
+  /// Least distance of the rims of the vehicle's discs, one for the path of a disc, to what stands
+  /// on the ground; below 0 they touch.
+  double clearance_m(const Plan& plan) const {
+    const PlannedVehicleConfig& vehicle = planner_.config().vehicle;
+    const std::vector<double> centres =
+        plan.is_refined ? Footprint(vehicle).centres() : std::vector<double>{0.0};
+    double least = StandingObjects::kFar_m;
+    for (std::size_t k = 0; k < plan.path.size(); ++k) {
+      const Pose2 pose{plan.path[k].x(), plan.path[k].y(), headingAt(plan, k)};
+      const Eigen::Vector2d along =
+          k == 0 ? Eigen::Vector2d(0.0, 0.0) : Eigen::Vector2d(plan.path[k - 1] - plan.path[k]);
+      const int parts = std::max(1, static_cast<int>(std::ceil(along.norm() / kStride_m)));
+      for (int part = 0; part < parts; ++part) {
+        for (const double centre : centres) {
+          const Eigen::Vector2d place = pose * Eigen::Vector2d(centre, 0.0) + along * part / parts;
+          least = std::min(least, standing_.distance_m(place) - 0.5 * vehicle.width_m);
+        }
+      }
+    }
+    return least;
   }
 
   /// Number of poses in which the vehicle's discs reach into an occupied cell.
@@ -68,6 +92,7 @@ class Checker {
  private:
   const DoorPlanner& planner_;
   const HybridMap& map_;
+  StandingObjects standing_;
 };
 
 /// A plan, and the CPU time that it took.
@@ -79,13 +104,56 @@ std::pair<Plan, double> timed(const DoorPlanner& planner, const PlanRequest& req
 
 }  // namespace
 
-std::string checkQueries(const DoorPlanner& planner, const HybridMap& map, int queries) {
-  const Checker checker(planner, map);
+StandingObjects::StandingObjects(const HybridMap& map,
+                                 const std::vector<LandmarkEstimate>& landmarks,
+                                 const DoorPlannerConfig& config)
+    : index_(kFar_m) {
+  for (const LandmarkEstimate& landmark : landmarks) {
+    const double diameter_m =
+        std::isfinite(landmark.diameter_m) ? landmark.diameter_m : config.landmark_diameter_m;
+    add(landmark.position, 0.5 * diameter_m);
+  }
+  const double occupied = config.cost.occupied_probability;
+  const double threshold = std::log(occupied / (1.0 - occupied));
+  map.waiting().visitTiles(LayerSet::kOccupancy, [&](const WaitingTile& tile) {
+    std::vector<float> buffer;
+    const std::vector<float>& cells = tile.cells->peek(LayerSet::kOccupancy, buffer);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (static_cast<double>(cells[i]) < threshold) continue;
+      const Eigen::Vector2d centre(static_cast<double>(i % WaitingTile::kCells) + 0.5,
+                                   static_cast<double>(i / WaitingTile::kCells) + 0.5);
+      const Eigen::Vector2d place = tile.T_map_cells * (tile.resolution_m * centre);
+      if (map.partition().mesh().locate(place) == kNone) add(place, 0.0);
+    }
+  });
+}
+
+void StandingObjects::add(const Eigen::Vector2d& place, double radius_m) {
+  const Eigen::Vector2d radius = Eigen::Vector2d::Constant(radius_m);
+  index_.place(static_cast<int>(discs_.size()), place - radius, place + radius);
+  discs_.push_back({place, radius_m});
+}
+
+double StandingObjects::distance_m(const Eigen::Vector2d& place) const {
+  double least = kFar_m;
+  const Eigen::Vector2d far = Eigen::Vector2d::Constant(kFar_m);
+  index_.visit(place - far, place + far, [&](int number) {
+    const Disc& disc = discs_[std::size_t(number)];
+    least = std::min(least, (disc.place - place).norm() - disc.radius_m);
+  });
+  return least;
+}
+
+std::string checkQueries(const DoorPlanner& planner, const HybridMap& map,
+                         const LandmarkMap& landmarks, int queries) {
+  const Checker checker(planner, map, landmarks);
   const std::shared_ptr<const DoorGraph> graph = planner.graph();
   RandomGenerator generator(1);
   std::string text =
       "start_x,start_y,goal_x,goal_y,status,cost,length_m,milliseconds,occupied_m,refined,"
-      "refined_length_m,refined_milliseconds,refined_occupied_m,tightest_radius_m,touching_poses\n";
+      "refined_length_m,refined_milliseconds,refined_occupied_m,tightest_radius_m,touching_poses,"
+      "clearance_m,"
+      "refined_clearance_m\n";
   for (int i = 0; i < queries && !graph->ltrs().empty(); ++i) {
     PlanRequest request;
     request.start = placeIn(*graph, generator);
@@ -97,7 +165,8 @@ std::string checkQueries(const DoorPlanner& planner, const HybridMap& map, int q
                     nameOf(plan.status), plan.cost, plan.length_m, plan_ms,
                     checker.occupied_m(plan), car.is_refined ? 1 : 0, car.length_m, car_ms,
                     checker.occupied_m(car), car.is_refined ? tightestRadius_m(car) : 0.0,
-                    car.is_refined ? checker.touches(car) : 0) +
+                    car.is_refined ? checker.touches(car) : 0, checker.clearance_m(plan),
+                    checker.clearance_m(car)) +
             "\n";
   }
   return text;

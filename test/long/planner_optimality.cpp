@@ -217,6 +217,7 @@ void run(std::uint64_t seed, const std::string& folder) {
   RandomWorld world(seed);
   const test::SquareMesh mesh(5, 5, 14.0, kResolution_m, 2.0, seed);
   DoorPlannerConfig config;
+  config.outside_is_occupied = false;  // the grid that it is compared with has no border either
   config.cost.properties = "roughness 0.5";
   DoorPlanner planner(config);
   // The mesh reaches beyond the world on all sides.

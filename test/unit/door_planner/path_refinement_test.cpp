@@ -193,6 +193,56 @@ TEST(PathRefinement, LeavesThePathAsItIsAndSaysWhy) {
   EXPECT_THAT(across.sentence, testing::HasSubstr("does not fit at the goal"));
 }
 
+/// A way from pose to pose by shortest curves.
+std::vector<CarPose> wayBy(const std::vector<Pose2>& poses, const RefinementConfig& config) {
+  std::vector<CarPose> way{{poses.front(), false}};
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const CarSpace space(kRadius_m, true);
+    const auto curve = space.shortest(poses[i - 1], poses[i]).poses(config.step_m);
+    way.insert(way.end(), curve.begin(), curve.end());
+  }
+  return way;
+}
+
+Plan planOf(const std::vector<CarPose>& way) {
+  Plan plan;
+  for (const CarPose& pose : way) {
+    plan.path.push_back(pose.T_map_base.position());
+    plan.points.emplace_back();
+    plan.points.back().is_backwards = pose.is_backwards;
+    if (plan.path.size() == 1) continue;
+    plan.length_m += (plan.path.back() - plan.path[plan.path.size() - 2]).norm();
+  }
+  return plan;
+}
+
+TEST(PathRefinement, ShortensDetours) {
+  const DoorPlannerConfig config;
+  const Vector2d post(22.0, 10.0);
+  const auto ground = [&](const Vector2d& p) { return (p - post).norm() < 1.0 ? 1.0F : 0.0F; };
+  const PlannerWorld world(ground, config);
+  const std::shared_ptr<const DoorGraph> graph = world.planner.graph();
+  const PathRefinement refinement(*graph, config.vehicle, config.refinement);
+  // A loop, and on it a change of direction that nothing asks for.
+  std::vector<CarPose> way = wayBy({{8.0, 10.0, 0.0},
+                                    {14.0, 30.0, 1.5},
+                                    {20.0, 26.0, 0.0},
+                                    {30.0, 30.0, -1.5},
+                                    {38.0, 10.0, 0.0}},
+                                   config.refinement);
+  const Plan before = planOf(way);
+  const CarPose start = way.front(), goal = way.back();
+  refinement.shorten(way, {});
+  const Plan after = planOf(way);
+  EXPECT_GT(before.length_m, 60.0);
+  EXPECT_LT(after.length_m, 34.0) << "of 30 m straight on";
+  EXPECT_FALSE(test::goesBackwards(after));
+  EXPECT_EQ(way.front().T_map_base.vector(), start.T_map_base.vector());
+  EXPECT_EQ(way.back().T_map_base.vector(), goal.T_map_base.vector());
+  EXPECT_GT(tightestRadius_m(after), kRadius_m * (1.0 - 1e-3));
+  EXPECT_EQ(test::touches(after, *graph, config.vehicle), 0);
+}
+
 TEST(PathRefinement, EndsWhenItsTimeIsOver) {
   const PlannerWorld world(test::freeGround);
   PlanRequest request = refinedRequest({8.0, 8.0}, {40.0, 40.0});

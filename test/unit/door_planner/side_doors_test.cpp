@@ -24,9 +24,11 @@ struct Pair {
     return {{}, {}, gridOf(view.alpha_cells, view.beta_cells), test::contentOf(view, occupancy)};
   }
   SideDoors doors(const std::function<float(const Vector2d&)>& lower,
-                  const std::function<float(const Vector2d&)>& upper) const {
+                  const std::function<float(const Vector2d&)>& upper,
+                  const std::vector<std::pair<double, double>>& solid = {}) const {
     const CellCosts first = costs(0, lower), second = costs(1, upper);
-    return findDoors({mesh.ltrs[0], 1, first}, {mesh.ltrs[1], 1, second}, kWidth_m, kSpacing_m);
+    return findDoors({mesh.ltrs[0], 1, first}, {mesh.ltrs[1], 1, second}, solid, kWidth_m,
+                     kSpacing_m);
   }
 };
 
@@ -35,6 +37,15 @@ float freeGround(const Vector2d&) { return 0.0F; }
 /// Free where the height over the ground lies within [low, high].
 auto gap(double low, double high) {
   return [=](const Vector2d& p) { return p.y() < low || p.y() > high ? 1.0F : 0.0F; };
+}
+
+TEST(SideDoors, AreNarrowerWhereALandmarkStands) {
+  const Pair pair;
+  // Of 22.6 m: what is left beside it is wider than the vehicle on one side only.
+  const SideDoors found = pair.doors(freeGround, freeGround, {{0.05, 0.3}});
+  ASSERT_EQ(found.doors.size(), 1U);
+  EXPECT_NEAR(found.doors[0].from, 0.3, 0.01);
+  EXPECT_NEAR(found.doors[0].to, 1.0, 1e-12);
 }
 
 TEST(SideDoors, ShareTheirPlacesBetweenBothLtrs) {
