@@ -1,58 +1,24 @@
 #include "nodes/playback_node.h"
 
 #include <algorithm>
-#include <map>
 #include <sstream>
 #include <stdexcept>
 
-#include <ros/master.h>
 #include <std_srvs/SetBool.h>
 
 #include "ros/bag_errors.h"
+#include "ros/node_graph.h"
 #include "ros/steady_time.h"
 
 namespace hymm {
 namespace {
 
-constexpr double kConnect_s = 1.0;    // from being registered to being connected
+constexpr double kSettle_s = 1.0;     // within which a node that begins subscribes again
+constexpr double kConnect_s = 20.0;   // a publisher that does not answer by then is gone
 constexpr double kSilence_s = 2.0;    // rosbag repeats /clock at 10 Hz or more, paused or not
 constexpr double kAdvertise_s = 5.0;  // from when the player lives to when it tells its topics
 constexpr double kPoll_s = 0.1;
 constexpr double kTell_s = 1.0;  // between two diagnoses
-
-using NodesByTopic = std::map<std::string, std::set<std::string>>;
-
-/// Who publishes and who subscribes, as the master knows it; nothing if it does not answer.
-struct Traffic {
-  NodesByTopic publishers, subscribers;
-};
-
-NodesByTopic nodesByTopic(XmlRpc::XmlRpcValue& topics) {
-  NodesByTopic nodes;
-  for (int topic = 0; topic < topics.size(); ++topic) {
-    std::set<std::string>& of_topic = nodes[static_cast<std::string>(topics[topic][0])];
-    for (int i = 0; i < topics[topic][1].size(); ++i) {
-      of_topic.insert(static_cast<std::string>(topics[topic][1][i]));
-    }
-  }
-  return nodes;
-}
-
-Traffic presentTraffic() {
-  XmlRpc::XmlRpcValue request, response, state;
-  request[0] = ros::this_node::getName();
-  if (!ros::master::execute("getSystemState", request, response, state, false)) return {};
-  return {nodesByTopic(state[0]), nodesByTopic(state[1])};
-}
-
-/// All nodes that subscribe to anything.
-std::set<std::string> subscribedNodes() {
-  std::set<std::string> nodes;
-  for (const auto& [topic, of_topic] : presentTraffic().subscribers) {
-    nodes.insert(of_topic.begin(), of_topic.end());
-  }
-  return nodes;
-}
 
 std::string joined(const std::string& list, const std::string& word) {
   return list.empty() ? word : list + ", " + word;
@@ -85,7 +51,7 @@ void PlaybackNode::run() {
 }
 
 std::string PlaybackNode::missing() const {
-  const std::set<std::string> nodes = subscribedNodes();
+  const std::set<std::string> nodes = presentGraph().subscribedNodes();
   std::string names;
   for (const std::string& listener : listeners_) {
     const std::string name = handle_.resolveName(listener);
@@ -104,7 +70,31 @@ void PlaybackNode::waitForAll() {
     }
     pause();
   }
-  ros::WallDuration(kConnect_s).sleep();
+}
+
+/// From every node that publishes to every listener: to be registered is not to be connected, and
+/// what is sent in between is lost.
+void PlaybackNode::waitForLinks() {
+  state_ = "Waits for the connections between the nodes";
+  const double begin_s = steadyNow();
+  double complete_since_s = begin_s;
+  while (ros::ok() && steadyNow() - complete_since_s < kSettle_s) {
+    pause();
+    std::string missing;
+    const NodeGraph graph = presentGraph();
+    for (const std::string& listener : listeners_) {
+      for (const std::string& link : missingLinks(graph, handle_.resolveName(listener))) {
+        missing = joined(missing, link + " to " + listener);
+      }
+    }
+    if (missing.empty()) continue;
+    complete_since_s = steadyNow();
+    if (complete_since_s - begin_s > kConnect_s) {
+      ROS_WARN_STREAM(
+          "These connections do not come about; the recording is played all the same: " << missing);
+      return;
+    }
+  }
 }
 
 void PlaybackNode::startPlayer() {
@@ -119,6 +109,7 @@ void PlaybackNode::startPlayer() {
     pause();
   }
   requireSensors();
+  waitForLinks();
   std_srvs::SetBool pause;
   pause.request.data = 0U;
   if (ros::ok() && !ros::service::call(service, pause)) {
@@ -129,12 +120,12 @@ void PlaybackNode::startPlayer() {
 
 /// Names under which sensors are listened to, by the nodes that take them in, and nobody publishes.
 std::string PlaybackNode::silentSensors() const {
-  const Traffic traffic = presentTraffic();
+  const NodeGraph graph = presentGraph();
   std::string names;
   for (const char* sensor : {"scan", "points", "detections", "odom", "dead_reckoning"}) {
     const std::string topic = handle_.resolveName(sensor);
-    const auto listening = traffic.subscribers.find(topic);
-    if (listening == traffic.subscribers.end() || traffic.publishers.count(topic) > 0) continue;
+    const auto listening = graph.subscribers.find(topic);
+    if (listening == graph.subscribers.end() || graph.publishers.count(topic) > 0) continue;
     for (const char* node : {"cekf_slam", "dead_reckoning"}) {
       if (listening->second.count(handle_.resolveName(node)) == 0) continue;
       names = joined(names, topic + " (for " + node + ")");

@@ -15,8 +15,9 @@
 
 namespace hymm {
 
-/// The node `playback`: lets a paused `rosbag play` begin when every node is ready to listen, and
-/// ends when the recording has ended and the filter has processed what it got.
+/// The node `playback`: lets a paused `rosbag play` begin when every node is connected to those
+/// that it listens to, and ends when the recording has ended and the filter has processed what it
+/// got.
 class PlaybackNode {
  public:
   explicit PlaybackNode(const PlaybackConfig& config);
@@ -29,6 +30,7 @@ class PlaybackNode {
  private:
   std::string missing() const;
   void waitForAll();
+  void waitForLinks();
   void startPlayer();
   std::string silentSensors() const;
   void requireSensors() const;

@@ -61,15 +61,18 @@ std::optional<PairedScan> ScanPairing::next(double now_s, bool has_scans) {
     if (updates_.front()->version != pose.map_version) return takeLoneUpdate();
 
     PairedScan paired{updates_.front(), poses_.front().pose, nullptr, nullptr};
+    Search map = Search::kNone;
     if (paired.update->map_follows) {
-      const Search map = findMap(*paired.update, waited_s > kMapPatience_s, paired.map);
-      if (map == Search::kWaiting) return std::nullopt;
-      if (map == Search::kNone) ++counts_.missing_maps;
+      map = findMap(*paired.update, waited_s > kMapPatience_s, paired.map);
     }
     const bool is_late = !has_scans || waited_s > kPatience_s;
     const Search scan = findScan(pose.header.stamp, is_late, paired.scan);
-    if (scan == Search::kWaiting) return std::nullopt;
+    // Nothing is taken before all is there: what came first would be lost.
+    if (map == Search::kWaiting || scan == Search::kWaiting) return std::nullopt;
+    if (map == Search::kNone && paired.update->map_follows) ++counts_.missing_maps;
     if (scan == Search::kNone && has_scans) ++counts_.missing_scans;
+    takeMap(paired.map);
+    takeScan(paired.scan);
     updates_.pop_front();
     poses_.pop_front();
     return paired;
@@ -77,11 +80,26 @@ std::optional<PairedScan> ScanPairing::next(double now_s, bool has_scans) {
   return std::nullopt;
 }
 
+/// With all that came before it.
+void ScanPairing::takeMap(const LandmarkMap::ConstPtr& map) {
+  const auto found = std::find(maps_.begin(), maps_.end(), map);
+  if (found != maps_.end()) maps_.erase(maps_.begin(), found + 1);
+}
+
+/// With all that came before it, which nobody had a use for.
+void ScanPairing::takeScan(const sensor_msgs::LaserScan::ConstPtr& scan) {
+  const auto found = std::find(scans_.begin(), scans_.end(), scan);
+  if (found == scans_.end()) return;
+  counts_.unused_scans += static_cast<std::size_t>(found - scans_.begin());
+  scans_.erase(scans_.begin(), found + 1);
+}
+
 /// An update whose pose got lost: whoever follows the landmarks needs it all the same.
 std::optional<PairedScan> ScanPairing::takeLoneUpdate() {
   ++counts_.missing_poses;
   PairedScan alone{updates_.front(), nullptr, nullptr, nullptr};
   findMap(*alone.update, true, alone.map);
+  takeMap(alone.map);
   updates_.pop_front();
   return alone;
 }
@@ -100,7 +118,7 @@ ScanPairing::Search ScanPairing::findUpdate(bool is_late) {
 /// The map that an update announced. One that was sent before this node subscribed never comes; a
 /// later one tells so. (Of a filter that was started anew since, versions or stamps are lower.)
 ScanPairing::Search ScanPairing::findMap(const LandmarkUpdate& update, bool is_late,
-                                         LandmarkMap::ConstPtr& map) {
+                                         LandmarkMap::ConstPtr& map) const {
   const auto found = std::find_if(maps_.begin(), maps_.end(), [&](const auto& held) {
     return held->version == update.version;
   });
@@ -111,18 +129,15 @@ ScanPairing::Search ScanPairing::findMap(const LandmarkUpdate& update, bool is_l
     return is_late || was_passed ? Search::kNone : Search::kWaiting;
   }
   map = *found;
-  maps_.erase(maps_.begin(), found + 1);
   return Search::kFound;
 }
 
 ScanPairing::Search ScanPairing::findScan(const ros::Time& stamp, bool is_late,
-                                          sensor_msgs::LaserScan::ConstPtr& scan) {
+                                          sensor_msgs::LaserScan::ConstPtr& scan) const {
   const auto found = std::find_if(scans_.begin(), scans_.end(),
                                   [&](const auto& held) { return held->header.stamp == stamp; });
   if (found != scans_.end()) {
     scan = *found;
-    counts_.unused_scans += static_cast<std::size_t>(found - scans_.begin());
-    scans_.erase(scans_.begin(), found + 1);
     return Search::kFound;
   }
   const bool was_passed = std::any_of(scans_.begin(), scans_.end(),

@@ -60,8 +60,11 @@ class ScanPairing {
 
   std::optional<PairedScan> takeLoneUpdate();
   Search findUpdate(bool is_late);
-  Search findMap(const LandmarkUpdate& update, bool is_late, LandmarkMap::ConstPtr& map);
-  Search findScan(const ros::Time& stamp, bool is_late, sensor_msgs::LaserScan::ConstPtr& scan);
+  Search findMap(const LandmarkUpdate& update, bool is_late, LandmarkMap::ConstPtr& map) const;
+  Search findScan(const ros::Time& stamp, bool is_late,
+                  sensor_msgs::LaserScan::ConstPtr& scan) const;
+  void takeMap(const LandmarkMap::ConstPtr& map);
+  void takeScan(const sensor_msgs::LaserScan::ConstPtr& scan);
   void forgetScansBeforeJump();
 
   std::deque<sensor_msgs::LaserScan::ConstPtr> scans_;

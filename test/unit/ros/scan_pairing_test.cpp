@@ -1,5 +1,8 @@
 #include "ros/scan_pairing.h"
 
+#include <algorithm>
+#include <string>
+
 #include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
 
@@ -38,24 +41,25 @@ LandmarkMap::ConstPtr mapOf(std::uint64_t version, double second = 0.0) {
 }
 
 TEST(ScanPairing, BringsTogetherWhateverTheOrderOfArrival) {
-  for (int first = 0; first < 3; ++first) {
-    SCOPED_TRACE(first);
+  std::string order = "mpsu";
+  do {
+    SCOPED_TRACE(order);
     ScanPairing pairing;
-    for (int i = 0; i < 3; ++i) {
+    for (const char which : order) {
       EXPECT_FALSE(pairing.next(0.0, true).has_value());
-      const int which = (first + i) % 3;
-      if (which == 0) pairing.add(scanAt(5.0));
-      if (which == 1) pairing.add(poseAt(5.0, 7), 0.0);
-      if (which == 2) pairing.add(updateAt(5.0, 7));
+      if (which == 'm') pairing.add(mapOf(7, 5.0));
+      if (which == 'p') pairing.add(poseAt(5.0, 7), 0.0);
+      if (which == 's') pairing.add(scanAt(5.0));
+      if (which == 'u') pairing.add(updateAt(5.0, 7, true));
     }
     const std::optional<PairedScan> paired = pairing.next(0.0, true);
     ASSERT_TRUE(paired.has_value());
     EXPECT_EQ(paired->scan->header.stamp, ros::Time(5.0));
     EXPECT_EQ(paired->pose->map_version, 7u);
     EXPECT_EQ(paired->update->version, 7u);
-    EXPECT_EQ(paired->map, nullptr);
+    EXPECT_EQ(paired->map->version, 7u);
     EXPECT_FALSE(pairing.next(0.0, true).has_value());
-  }
+  } while (std::next_permutation(order.begin(), order.end()));
 }
 
 TEST(ScanPairing, WaitsForAWholeMapThatIsAnnounced) {
