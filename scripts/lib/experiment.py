@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from commit import commit
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -28,8 +30,7 @@ class Experiment:
         self.work = self.output / name
         self.work.mkdir(exist_ok=True)
         self._build = arguments.build
-        self.commit = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"],
-                                     stdout=subprocess.PIPE, text=True).stdout.strip()
+        self.commit = commit()
 
     def run(self, tool, *arguments):
         """Runs a tool of the package; returns what it printed on standard output."""

@@ -199,7 +199,7 @@ class HybridMap::Impl {
 
  private:
   static constexpr const char* kStateKind = "hymm dense map";
-  static constexpr std::uint32_t kStateVersion = 1;
+  static constexpr std::uint32_t kStateVersion = 2;
 
   std::vector<std::string> layerTexts() const {
     std::vector<std::string> texts;

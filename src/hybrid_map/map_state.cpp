@@ -74,12 +74,14 @@ void CellStore::restore(const LayerSet& layers, StateReader& archive) {
 void WaitingTiles::save(StateWriter& archive) const {
   archive(sheets_made_, selected_, T_cells_map_, sheets_.size());
   for (const Sheet& sheet : sheets_) {
-    archive(sheet.id, sheet.anchors, sheet.T_map_sheet, sheet.T_anchors_sheet, sheet.tiles.size());
+    archive(sheet.id, sheet.anchors, sheet.T_map_sheet, sheet.T_anchors_sheet, sheet.written,
+            sheet.tiles.size());
     for (const auto& [place, cells] : sheet.tiles) {
       archive(place);
       cells.save(archive);
     }
   }
+  archive(joined_);
 }
 
 void WaitingTiles::restore(StateReader& archive) {
@@ -88,15 +90,15 @@ void WaitingTiles::restore(StateReader& archive) {
   archive(sheets_made_, selected_, T_cells_map_);
   for (std::size_t left = archive.readSize(); left > 0; --left) {
     Sheet& sheet = sheets_.emplace_back();
-    archive(sheet.id, sheet.anchors, sheet.T_map_sheet, sheet.T_anchors_sheet);
+    archive(sheet.id, sheet.anchors, sheet.T_map_sheet, sheet.T_anchors_sheet, sheet.written);
     for (std::size_t tiles = archive.readSize(); tiles > 0; --tiles) {
       const auto place = archive.read<TilePlace>();
       CellStore& cells =
           sheet.tiles.try_emplace(place, layers_, kTileCells * kTileCells).first->second;
       cells.restore(layers_, archive);
-      sheet.written = std::max(sheet.written, cells.lastRevision());
     }
   }
+  archive(joined_);
 }
 
 void LayerWriter::save(StateWriter& archive) const {

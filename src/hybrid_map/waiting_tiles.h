@@ -165,7 +165,7 @@ class WaitingTiles {
   double resolution_m_;
   std::vector<Sheet> sheets_;
   std::size_t selected_ = 0;
-  std::map<SheetPair, std::uint64_t> joined_;  ///< at which revision; not saved, made anew
+  std::map<SheetPair, std::uint64_t> joined_;  ///< at which revision
   std::uint64_t sheets_made_ = 0;
   Pose2 T_cells_map_;  ///< of the selected sheet
   CellStore* last_tile_ = nullptr;

@@ -97,7 +97,7 @@ class RvizDisplaysTest(unittest.TestCase):
         cls.rviz = RvizSession(Path(__file__).resolve().parent / "rviz_displays.rviz")
         cls.scene.publish_map()
         cls.scene.publish_ltrs()
-        assert wait_until(lambda: cls.scene.grids.get_num_connections() > 0, 40), cls.rviz.log()
+        assert wait_until(cls.scene.is_heard, 40), cls.rviz.log()
         for ltr in range(len(cls.scene.ltrs)):
             cls.scene.publish_occupancy(ltr, half_occupied)
 

@@ -48,6 +48,10 @@ class Scene:
         self._ltrs = rospy.Publisher("ltrs", LtrMap, queue_size=2, latch=True)
         self.grids = rospy.Publisher("ltr_grids", LtrGrid, queue_size=10000)
 
+    def is_heard(self):
+        """Whether somebody listens to all that is sent but once."""
+        return all(p.get_num_connections() > 0 for p in (self.grids, self._updates))
+
     def publish_map(self):
         self.version += 1
         message = LandmarkMap(version=self.version, landmarks=self.landmarks, block_range=30.0)
