@@ -5,15 +5,12 @@ import contextlib
 import csv
 import json
 import os
-import signal
 import socket
 import subprocess
 import tempfile
 import time
 import unittest
 from pathlib import Path
-
-import rosbag
 
 ROOT = Path(__file__).parents[2]
 DURATION_S = 15
@@ -40,25 +37,20 @@ class Playback(unittest.TestCase):
 
     def play(self, bag, config, *arguments):
         port = free_port()
-        with self.recorded_diagnostics(port):
+        with self.logged_diagnostics(port):
             return self.launch(port, bag, config, *arguments)
 
     @contextlib.contextmanager
-    def recorded_diagnostics(self, port):
-        """It waits for the master, and outlives it."""
-        recorder = subprocess.Popen(
-            ["rosbag", "record", "--quiet", "-O", str(self.path / "diagnostics.bag"), "/diagnostics"],
+    def logged_diagnostics(self, port):
+        log = subprocess.Popen(
+            [Path(__file__).resolve().parent / "diagnostics_log.py", self.path / "diagnostics.jsonl"],
             env={**os.environ, "ROS_MASTER_URI": f"http://localhost:{port}"},
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             yield
         finally:
-            recorder.send_signal(signal.SIGINT)
-            try:
-                recorder.wait(20)
-            except subprocess.TimeoutExpired:
-                recorder.kill()
-                recorder.wait()
+            log.kill()
+            log.wait()
 
     def launch(self, port, bag, config, *arguments):
         return subprocess.run(
@@ -115,11 +107,8 @@ class Playback(unittest.TestCase):
 
     def expect_diagnostics_agree(self):
         """What the nodes told last is what the recorder wrote."""
-        told = {}
-        with rosbag.Bag(str(self.path / "diagnostics.bag")) as bag:
-            for _, message, _ in bag.read_messages():
-                for status in message.status:
-                    told[status.name] = {value.key: value.value for value in status.values}
+        with open(self.path / "diagnostics.jsonl") as file:
+            told = dict(json.loads(line) for line in file)
         live = json.loads((self.path / "live" / "summary.json").read_text())
         for key, node, value in (
                 ("scans", "cekf_slam: filter", "scans used"),
