@@ -48,6 +48,15 @@ class RelativeDeviations {
     return largestDeviation(a->second + b->second - *cross - cross->transpose());
   }
 
+  /// Of any of the one relative to any of the other.
+  double largest(const std::array<int, 2>& ones, const std::array<int, 2>& others) const {
+    double largest = 0.0;
+    for (const int one : ones) {
+      for (const int other : others) largest = std::max(largest, between(one, other));
+    }
+    return largest;
+  }
+
  private:
   PairCovariances pairs_;
   std::unordered_map<int, Eigen::Matrix2d> covariances_;
@@ -204,35 +213,34 @@ void WaitingTiles::join(const LandmarkMap& map, const LandmarkPlaces& landmarks,
     Box box;
   };
   std::vector<Candidate> candidates;
-  std::unordered_set<int> ids;
   for (std::size_t i = 0; i < sheets_.size(); ++i) {
     Sheet& sheet = sheets_[i];
     const std::array<int, 2> anchors = {landmarks.presentId(sheet.anchors.first),
                                         landmarks.presentId(sheet.anchors.second)};
     if (i == selected_ || anchors[0] < 0 || anchors[1] < 0) continue;
-    ids.insert(anchors.begin(), anchors.end());
     candidates.push_back({&sheet, anchors, anchorMiddle(sheet, landmarks), boxOf(sheet)});
   }
-  const RelativeDeviations deviations(map, ids);
-  const auto areCertain = [&](const Candidate& a, const Candidate& b) {
-    double largest = 0.0;
-    for (const int one : a.anchors) {
-      for (const int other : b.anchors) largest = std::max(largest, deviations.between(one, other));
-    }
-    return largest <= most_deviation_m;
+  const auto areJoined = [this](const Candidate& a, const Candidate& b) {
+    const auto joined = joined_.find({a.sheet->id, b.sheet->id});
+    return joined != joined_.end() &&
+           joined->second >= std::max(a.sheet->written, b.sheet->written);
   };
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    for (std::size_t j = i + 1; j < candidates.size(); ++j) {
-      const Candidate &a = candidates[i], &b = candidates[j];
-      const SheetPair pair(a.sheet->id, b.sheet->id);
-      const auto joined = joined_.find(pair);
-      const bool is_done =
-          joined != joined_.end() && joined->second >= std::max(a.sheet->written, b.sheet->written);
-      if (is_done || !intersect(a.box, b.box) || !areCertain(a, b)) continue;
-      CellMove(*this, *a.sheet, *b.sheet, a.middle, b.middle, revision).run();
-      CellMove(*this, *b.sheet, *a.sheet, b.middle, a.middle, revision).run();
-      joined_[pair] = revision;
+  std::vector<std::pair<const Candidate*, const Candidate*>> pairs;
+  std::unordered_set<int> ids;
+  for (auto a = candidates.begin(); a != candidates.end(); ++a) {
+    for (auto b = a + 1; b != candidates.end(); ++b) {
+      if (areJoined(*a, *b) || !intersect(a->box, b->box)) continue;
+      pairs.emplace_back(&*a, &*b);
+      for (const Candidate& one : {*a, *b}) ids.insert(one.anchors.begin(), one.anchors.end());
     }
+  }
+  if (pairs.empty()) return;  // as with most maps: spares a look at all their covariances
+  const RelativeDeviations deviations(map, ids);
+  for (const auto& [a, b] : pairs) {
+    if (deviations.largest(a->anchors, b->anchors) > most_deviation_m) continue;
+    CellMove(*this, *a->sheet, *b->sheet, a->middle, b->middle, revision).run();
+    CellMove(*this, *b->sheet, *a->sheet, b->middle, a->middle, revision).run();
+    joined_[{a->sheet->id, b->sheet->id}] = revision;
   }
 }
 

@@ -77,8 +77,8 @@ void PlaybackNode::waitForAll() {
 void PlaybackNode::waitForLinks() {
   state_ = "Waits for the connections between the nodes";
   const double begin_s = steadyNow();
-  double complete_since_s = begin_s;
-  while (ros::ok() && steadyNow() - complete_since_s < kSettle_s) {
+  double last_missing_s = begin_s;
+  while (ros::ok() && steadyNow() - last_missing_s < kSettle_s) {
     pause();
     std::string missing;
     const NodeGraph graph = presentGraph();
@@ -88,8 +88,8 @@ void PlaybackNode::waitForLinks() {
       }
     }
     if (missing.empty()) continue;
-    complete_since_s = steadyNow();
-    if (complete_since_s - begin_s > kConnect_s) {
+    last_missing_s = steadyNow();
+    if (last_missing_s - begin_s > kConnect_s) {
       ROS_WARN_STREAM(
           "These connections do not come about; the recording is played all the same: " << missing);
       return;
