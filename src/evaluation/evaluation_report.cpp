@@ -1,7 +1,10 @@
 #include "evaluation/evaluation_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "evaluation/constellation.h"
 
 namespace hymm::core {
 namespace {
@@ -80,6 +83,7 @@ class Evaluation {
       report_.json.addNull("trajectory");
       return;
     }
+    T_truth_aligned_ = T_truth_map_ * errors->T_truth_map;
     JsonObject json = statisticsJson(errors->position_m);
     json.add("aligned", statisticsJson(errors->aligned_position_m));
     json.add("heading_rmse_rad", errors->heading_rmse_rad);
@@ -135,7 +139,13 @@ class Evaluation {
     LandmarkMatching matching;
     matching.gate_m = options_.landmark_gate_m;
     matching.missed_range_m = options_.missed_range_m;
-    matching.T_truth_map = reference_.landmarks_in_gps_frame ? T_gps_map_ : T_truth_map_;
+    if (reference_.landmarks_in_gps_frame) {
+      matching.T_truth_map = T_gps_map_;
+      if (!fitsMost(matching)) addSurveyGuess(matching);
+    } else {
+      matching.T_truth_map = T_truth_map_;
+      if (T_truth_aligned_) matching.other_guesses.push_back(*T_truth_aligned_);
+    }
     const auto errors = computeLandmarkErrors(results_.landmarks, reference_.landmarks,
                                               estimate_.poses(), matching);
     if (!errors) {
@@ -146,10 +156,30 @@ class Evaluation {
     JsonObject json = statisticsJson(errors->distance_m);
     json.add("aligned", statisticsJson(errors->aligned_distance_m));
     json.add("matched", errors->distance_m.count).add("false", errors->false_landmarks);
+    json.add("duplicates", errors->duplicates);
     json.add("missed", errors->missed).add("out_of_range", errors->out_of_range);
     json.add("nees", consistencyJson(errors->nees));
     json.add("alignment", transformJson(errors->T_truth_map));
     report_.json.add("landmarks", json);
+  }
+
+  bool fitsMost(const LandmarkMatching& matching) const {
+    const auto errors =
+        computeLandmarkErrors(results_.landmarks, reference_.landmarks, {}, matching);
+    const std::size_t most = std::min(results_.landmarks.size(), reference_.landmarks.size());
+    return errors && 2 * errors->distance_m.count >= most;
+  }
+
+  /// A survey may count from another place than the fixes, or come without any: then the pattern of
+  /// the landmarks tells where it lies.
+  void addSurveyGuess(LandmarkMatching& matching) {
+    std::vector<Eigen::Vector2d> estimates;
+    for (const LandmarkEstimate& estimate : results_.landmarks) {
+      estimates.push_back(estimate.position);
+    }
+    const auto guess =
+        findConstellation(estimates, reference_.landmarks, 0.5 * options_.landmark_gate_m);
+    if (guess) matching.other_guesses.push_back(*guess);
   }
 
   void addNis() {
@@ -171,6 +201,7 @@ class Evaluation {
   Trajectory estimate_;
   Pose2 T_truth_map_;
   Pose2 T_gps_map_;
+  std::optional<Pose2> T_truth_aligned_;  ///< as the whole trajectory has it
   EvaluationReport report_;
 };
 

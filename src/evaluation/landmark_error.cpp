@@ -68,6 +68,48 @@ bool isWithin(const Eigen::Vector2d& p, const std::vector<StampedPose>& poses, c
   });
 }
 
+struct Matching {
+  std::vector<Match> matches;
+  Pose2 T_truth_map;
+};
+
+Matching matchFrom(const Pose2& guess, const Positions& estimates, const Positions& truth,
+                   double gate_m) {
+  Matching now{match(transformed(guess, estimates), truth, gate_m), guess};
+  for (int round = 0; round < kMostRounds && now.matches.size() >= 2; ++round) {
+    now.T_truth_map = align(now.matches, estimates, truth);
+    std::vector<Match> next = match(transformed(now.T_truth_map, estimates), truth, gate_m);
+    if (next == now.matches) break;
+    now.matches = std::move(next);
+  }
+  return now;
+}
+
+Matching bestMatching(const Positions& estimates, const Positions& truth,
+                      const LandmarkMatching& matching) {
+  Matching best = matchFrom(matching.T_truth_map, estimates, truth, matching.gate_m);
+  for (const Pose2& guess : matching.other_guesses) {
+    Matching other = matchFrom(guess, estimates, truth, matching.gate_m);
+    if (other.matches.size() > best.matches.size()) best = std::move(other);
+  }
+  return best;
+}
+
+/// Estimates without partner that stand within the gate of a true landmark.
+std::size_t countDuplicates(const Matching& matching, const Positions& estimates,
+                            const Positions& truth, double gate_m) {
+  std::vector<bool> is_matched(estimates.size());
+  for (const auto& [i, j] : matching.matches) is_matched[i] = true;
+  std::size_t duplicates = 0;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    if (is_matched[i]) continue;
+    const Eigen::Vector2d p = matching.T_truth_map * estimates[i];
+    duplicates += std::any_of(truth.begin(), truth.end(),
+                              [&](const Eigen::Vector2d& t) { return (p - t).norm() <= gate_m; });
+  }
+  return duplicates;
+}
+
 }  // namespace
 
 std::optional<LandmarkErrors> computeLandmarkErrors(const std::vector<LandmarkEstimate>& estimates,
@@ -76,14 +118,8 @@ std::optional<LandmarkErrors> computeLandmarkErrors(const std::vector<LandmarkEs
                                                     const LandmarkMatching& matching) {
   Positions positions;
   for (const LandmarkEstimate& estimate : estimates) positions.push_back(estimate.position);
-  Pose2 T = matching.T_truth_map;
-  std::vector<Match> matches = match(transformed(T, positions), truth, matching.gate_m);
-  for (int round = 0; round < kMostRounds && matches.size() >= 2; ++round) {
-    T = align(matches, positions, truth);
-    std::vector<Match> next = match(transformed(T, positions), truth, matching.gate_m);
-    if (next == matches) break;
-    matches = std::move(next);
-  }
+  const Matching best = bestMatching(positions, truth, matching);
+  const auto& [matches, T] = best;
   if (matches.empty()) return std::nullopt;
 
   LandmarkErrors errors;
@@ -101,6 +137,7 @@ std::optional<LandmarkErrors> computeLandmarkErrors(const std::vector<LandmarkEs
   }
   errors.nees = nees.result();
   errors.false_landmarks = estimates.size() - matches.size();
+  errors.duplicates = countDuplicates(best, positions, truth, matching.gate_m);
   for (std::size_t j = 0; j < truth.size(); ++j) {
     if (found[j]) continue;
     ++(isWithin(truth[j], poses, T, matching.missed_range_m) ? errors.missed : errors.out_of_range);

@@ -51,6 +51,7 @@ std::optional<PoseErrors> computePoseErrors(const std::vector<UncertainPose>& po
   aligned.reserve(pairs.size());
   for (const auto& [estimated, actual] : pairs) aligned.push_back((T * estimated - actual).norm());
   errors.heading_rmse_rad = std::sqrt(squared_heading / static_cast<double>(pairs.size()));
+  errors.T_truth_map = T;
   errors.position_m = errorStatistics(std::move(distances));
   errors.aligned_position_m = errorStatistics(std::move(aligned));
   errors.nees = nees.result();

@@ -18,6 +18,7 @@ struct UncertainPose {
 struct PoseErrors {
   ErrorStatistics position_m;          ///< as they are: both in the same frame
   ErrorStatistics aligned_position_m;  ///< after one rigid motion of the plane
+  Pose2 T_truth_map;                   ///< that motion, of the estimate onto the truth
   double heading_rmse_rad = 0.0;       ///< as they are
   Consistency nees;                    ///< of the pose as it is, three degrees of freedom
   std::size_t without_truth = 0;       ///< poses of the window at whose time there is no truth

@@ -1,5 +1,6 @@
 #include "evaluation/evaluation_report.h"
 
+#include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -98,6 +99,23 @@ TEST(Evaluation, SurveyedLandmarksAreReachedThroughTheGps) {
   const YAML::Node json = YAML::Load(report.json.text());
   EXPECT_EQ(json["landmarks"]["matched"].as<int>(), 5);
   EXPECT_NEAR(json["landmarks"]["rmse_m"].as<double>(), 0.0, 1e-9);
+}
+
+TEST(Evaluation, SurveyInAFrameOfItsOwnIsFoundByItsPattern) {
+  RunResults results = straightRun();
+  Reference reference;
+  reference.landmarks_in_gps_frame = true;
+  results.landmarks.clear();
+  for (int i = 0; i < 12; ++i) {
+    LandmarkEstimate landmark;
+    landmark.position = {7.0 * i + 0.3 * i * i, 20.0 * std::sin(2.0 * i)};
+    results.landmarks.push_back(landmark);
+    reference.landmarks.push_back(Pose2{500.0, -900.0, 2.0} * landmark.position);
+  }
+  const auto report = evaluate(results, reference, kWhole);
+  const YAML::Node json = YAML::Load(report.json.text());
+  EXPECT_EQ(json["landmarks"]["matched"].as<int>(), 12);
+  EXPECT_NEAR(json["landmarks"]["aligned"]["rmse_m"].as<double>(), 0.0, 1e-9);
 }
 
 }  // namespace

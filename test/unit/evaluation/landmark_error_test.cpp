@@ -64,6 +64,30 @@ TEST(LandmarkErrors, TwoEstimatesOfOneLandmarkAreOneMatchAndOneFalse) {
   EXPECT_NEAR(errors->distance_m.max, 0.0, 1e-12);
 }
 
+TEST(LandmarkErrors, SecondEstimateOfALandmarkIsADuplicateAndOneInTheVoidIsNot) {
+  std::vector<Vector2d> estimated = grid();
+  estimated.push_back(grid()[10] + Vector2d(0.3, 0.0));
+  estimated.emplace_back(20.0, -40.0);
+  const auto errors = computeLandmarkErrors(estimatesAt(estimated), grid(), kPoses, {});
+  EXPECT_EQ(errors->false_landmarks, 2u);
+  EXPECT_EQ(errors->duplicates, 1u);
+}
+
+TEST(LandmarkErrors, TurnedMapIsMatchedFromAnotherGuessAndItsErrorsCountAsGiven) {
+  const Pose2 T{3.0, -2.0, 0.05};
+  std::vector<Vector2d> moved;
+  for (const Vector2d& p : grid()) moved.push_back(T * p);
+  LandmarkMatching matching;
+  const auto given_alone = computeLandmarkErrors(estimatesAt(moved), grid(), kPoses, matching);
+  EXPECT_TRUE(!given_alone || given_alone->distance_m.count < grid().size());
+  matching.other_guesses = {inverse(T) * Pose2{0.2, 0.1, 0.0}};
+  const auto errors = computeLandmarkErrors(estimatesAt(moved), grid(), kPoses, matching);
+  ASSERT_TRUE(errors);
+  EXPECT_EQ(errors->distance_m.count, grid().size());
+  EXPECT_NEAR(errors->aligned_distance_m.max, 0.0, 1e-9);
+  EXPECT_GT(errors->distance_m.rmse, 1.0);
+}
+
 TEST(LandmarkErrors, ErrorsDrawnFromTheCovarianceAreConsistent) {
   RandomGenerator generator(5);
   double mean = 0.0;
