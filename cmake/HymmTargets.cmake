@@ -33,6 +33,10 @@ function(hymm_add_test name)
   hymm_own_code(${name})
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
+  if(NOT TARGET ${ARG_LABEL}_tests)
+    add_custom_target(${ARG_LABEL}_tests)  # so that the tests of one label can be built alone
+  endif()
+  add_dependencies(${ARG_LABEL}_tests ${name})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()

@@ -42,16 +42,19 @@ run_logged() {
 }
 
 # build FOLDER [CMAKE ARGUMENT...]: configures and builds everything there.
-build() {
-  local folder="$1"
-  shift
+build() { build_target all "$@"; }
+
+# build_target TARGET FOLDER [CMAKE ARGUMENT...]
+build_target() {
+  local target="$1" folder="$2"
+  shift 2
   [[ "$root" != *[[:space:]]* ]] ||
     die "The path '$root' contains a space, which catkin cannot handle: clone to another place."
   local arguments=(-S "$root" -B "$folder" -G Ninja "$@")
   ! command -v ccache >/dev/null || arguments+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   run_logged "$folder/configure.log" "CMake could not configure the build." cmake "${arguments[@]}"
   run_logged "$folder/build.log" "The build failed." \
-    cmake --build "$folder" --parallel "$(compile_jobs)"
+    cmake --build "$folder" --parallel "$(compile_jobs)" --target "$target"
 }
 
 build_release() { build "$release" -DCMAKE_BUILD_TYPE=Release; }
