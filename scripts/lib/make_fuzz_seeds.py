@@ -8,7 +8,10 @@ import numpy
 import rosbag
 import rospy
 import scipy.io
+from geometry_msgs.msg import TransformStamped
+from hymm.msg import DeadReckoning
 from sensor_msgs.msg import LaserScan
+from tf2_msgs.msg import TFMessage
 
 
 def main(folder):
@@ -23,8 +26,10 @@ def main(folder):
             archive.writestr("folder/LASER.txt", "1 2 3\n" * 20)
     for name in ("none", "bz2", "lz4"):
         with rosbag.Bag(str(folder / f"bag/{name}.bag"), "w", compression=name) as bag:
+            bag.write("/tf_static", TFMessage([TransformStamped()]), rospy.Time(1))
             for i in (1, 2):
                 bag.write("scan", LaserScan(ranges=[1.0] * 9), rospy.Time(i))
+                bag.write("dead_reckoning", DeadReckoning(speed=1.0), rospy.Time(i))
 
 
 main(Path(sys.argv[1]))

@@ -10,6 +10,7 @@
 #include <rosbag/view.h>
 
 #include "common/error.h"
+#include "ros/bag_structure.h"
 
 namespace hymm {
 
@@ -39,10 +40,17 @@ auto withBagErrors(const std::string& path, const Work& work) {
   }
 }
 
+/// Opens a bag to be read, within withBagErrors(), once it is known that its records fit.
+inline void openBag(rosbag::Bag& bag, const std::string& path) {
+  checkBagStructure(path);
+  bag.open(path, rosbag::bagmode::Read);
+}
+
 /// The topics of a bag and their types, for a sentence.
 inline std::string topicsOf(const std::string& path) {
   return withBagErrors(path, [&] {
-    const rosbag::Bag bag(path, rosbag::bagmode::Read);
+    rosbag::Bag bag;
+    openBag(bag, path);
     std::map<std::string, std::string> types;
     for (const rosbag::ConnectionInfo* info : rosbag::View(bag).getConnections()) {
       types[info->topic] = info->datatype;
@@ -58,7 +66,8 @@ inline std::string topicsOf(const std::string& path) {
 /// Throws core::InputError unless the bag can be opened and holds messages.
 inline void checkBag(const std::string& path) {
   withBagErrors(path, [&] {
-    const rosbag::Bag bag(path, rosbag::bagmode::Read);
+    rosbag::Bag bag;
+    openBag(bag, path);
     if (rosbag::View(bag).size() > 0) return;
     throw core::InputError(path + ": the bag is empty, it holds no messages.");
   });

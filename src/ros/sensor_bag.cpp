@@ -76,11 +76,17 @@ void checkLengths(const std::vector<std::uint8_t>& bytes) {
   } else if constexpr (std::is_same_v<Message, LandmarkObservations>) {
     walker.skipHeader();
     walker.skipArray(8 * sizeof(double) + sizeof(std::uint8_t) + sizeof(std::int32_t));
+  } else if constexpr (std::is_same_v<Message, tf2_msgs::TFMessage>) {
+    for (std::uint32_t transforms = walker.readCount(); transforms > 0; --transforms) {
+      walker.skipHeader();
+      walker.skipArray(1);
+      walker.skip(7 * sizeof(double));
+    }
   }
 }
 
 template <class Message>
-SensorMessage decode(const rosbag::MessageInstance& instance) {
+boost::shared_ptr<const Message> decodeAs(const rosbag::MessageInstance& instance) {
   if (instance.getMD5Sum() != ros::message_traits::md5sum<Message>()) {
     throw std::runtime_error("another definition of the message");
   }
@@ -93,7 +99,12 @@ SensorMessage decode(const rosbag::MessageInstance& instance) {
   auto message = boost::make_shared<Message>();
   ros::serialization::IStream in(bytes.data(), size);
   ros::serialization::deserialize(in, *message);
-  return boost::shared_ptr<const Message>(std::move(message));
+  return message;
+}
+
+template <class Message>
+SensorMessage decode(const rosbag::MessageInstance& instance) {
+  return decodeAs<Message>(instance);
 }
 
 struct Kind {
@@ -123,7 +134,7 @@ std::string withoutSlash(const std::string& topic) {
 
 SensorBag::SensorBag(const std::string& path, const BagSelection& selection) : path_(path) {
   withBagErrors(path_, [&] {
-    bag_.open(path_, rosbag::bagmode::Read);
+    openBag(bag_, path_);
     listTopics();
   });
   choose(selection.observation_input, selection, true);
@@ -174,11 +185,23 @@ std::string SensorBag::found() const {
   return "Found in the bag: " + list + ".";
 }
 
-void SensorBag::readTransforms(tf2::BufferCore& tf) const {
+template <class Decode>
+void SensorBag::skippingUndecodable(const rosbag::MessageInstance& instance, const Decode& decode) {
+  try {
+    decode();
+  } catch (const rosbag::BagException&) {
+    throw;
+  } catch (const std::exception&) {
+    ++undecodable_[instance.getTopic()];
+  }
+}
+
+void SensorBag::readTransforms(tf2::BufferCore& tf) {
   withBagErrors(path_, [&] {
     const auto read = [&](const std::string& name, rosbag::View& view) {
       for (const rosbag::MessageInstance& instance : view) {
-        const auto message = instance.instantiate<tf2_msgs::TFMessage>();
+        boost::shared_ptr<const tf2_msgs::TFMessage> message;
+        skippingUndecodable(instance, [&] { message = decodeAs<tf2_msgs::TFMessage>(instance); });
         if (!message) continue;
         for (const auto& transform : message->transforms) {
           tf.setTransform(transform, path_, name == "tf_static");
@@ -206,13 +229,7 @@ void SensorBag::read(const std::function<void(const SensorMessage&)>& take,
     for (const rosbag::MessageInstance& instance : view) {
       if (seen++ % kMessagesPerProgress == 0) progress(static_cast<double>(seen) / total);
       std::optional<SensorMessage> message;
-      try {
-        message = chosen_.at(instance.getTopic())(instance);
-      } catch (const rosbag::BagException&) {
-        throw;
-      } catch (const std::exception&) {
-        ++undecodable_[instance.getTopic()];
-      }
+      skippingUndecodable(instance, [&] { message = chosen_.at(instance.getTopic())(instance); });
       if (message) take(*message);
     }
     progress(1.0);

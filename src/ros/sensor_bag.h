@@ -30,8 +30,8 @@ class SensorBag {
   SensorBag(const std::string& path, const BagSelection& selection);
 
   /// Fills `tf` with /tf_static and with the first seconds of /tf: old recordings repeat fixed
-  /// transforms there.
-  void readTransforms(tf2::BufferCore& tf) const;
+  /// transforms there. Messages that cannot be decoded are skipped and counted.
+  void readTransforms(tf2::BufferCore& tf);
 
   /// Calls `take` with each message, and `progress` (from 0 to 1) now and then. Messages that
   /// cannot be decoded are skipped and counted. Throws core::InputError if the bag breaks off.
@@ -48,6 +48,8 @@ class SensorBag {
     std::size_t messages = 0;
   };
 
+  template <class Decode>
+  void skippingUndecodable(const rosbag::MessageInstance& instance, const Decode& decode);
   void listTopics();
   void choose(const std::string& name, const BagSelection& selection, bool required);
   std::string found() const;

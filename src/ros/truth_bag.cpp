@@ -13,7 +13,8 @@ namespace hymm {
 Truth readTruth(const std::string& path) {
   return withBagErrors(path, [&] {
     Truth truth;
-    const rosbag::Bag bag(path, rosbag::bagmode::Read);
+    rosbag::Bag bag;
+    openBag(bag, path);
     rosbag::View poses(bag, rosbag::TopicQuery("/truth/pose"));
     for (const rosbag::MessageInstance& instance : poses) {
       const auto message = instance.instantiate<geometry_msgs::PoseStamped>();
