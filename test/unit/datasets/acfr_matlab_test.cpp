@@ -172,15 +172,29 @@ TEST_F(AcfrMatlab, RefusesFileCutOffAnywhere) {
   }
 }
 
+/// A file of MATLAB's version 4: five words, the name with its end, then numbers.
+std::string version4(const std::array<std::uint32_t, 5>& header, std::size_t numbers) {
+  return std::string(reinterpret_cast<const char*>(header.data()), sizeof(header)) +
+         std::string("LASER", 6) + std::string(numbers * sizeof(double), '\0');
+}
+
+TEST_F(AcfrMatlab, ReadsMatrixOfVersion4) {
+  folder_.write("lsr.mat", version4({0, 2, 3, 0, 6}, 6));
+  EXPECT_EQ(MatFile(path("lsr.mat")).read("LASER").values, std::vector<double>(6, 0.0));
+}
+
 TEST_F(AcfrMatlab, RefusesMatrixThatItsFileCannotHold) {
-  // A file of MATLAB's version 4: five words, the name with its end, then the numbers, of which
-  // only one is there.
-  const std::array<std::uint32_t, 5> header = {0, 1000, 1000, 0, 6};
-  std::string file(reinterpret_cast<const char*>(header.data()), sizeof(header));
-  file += std::string("LASER", 6) + std::string(8, '\0');
-  folder_.write("lsr.mat", file);
-  EXPECT_THAT([&] { MatFile(path("lsr.mat")).read("LASER"); },
-              ThrowsMessage<InputError>(HasSubstr("larger than the file")));
+  for (const auto& header : {std::array<std::uint32_t, 5>{0, 1000, 1000, 0, 6},
+                             std::array<std::uint32_t, 5>{0, 0xffffffff, 0xffffffff, 1, 6}}) {
+    folder_.write("lsr.mat", version4(header, 1));
+    EXPECT_THAT([&] { MatFile file(path("lsr.mat")); },
+                ThrowsMessage<InputError>(HasSubstr("within a variable")));
+  }
+}
+
+TEST_F(AcfrMatlab, RefusesNameThatIsLongerThanAnyIs) {
+  folder_.write("lsr.mat", version4({0, 1, 1, 0, 0x7fffffff}, 1));
+  expectRefusal({path("lsr.mat")}, "is not a MATLAB file");
 }
 
 TEST_F(AcfrMatlab, RefusesWhatIsNoMatlabFile) {
