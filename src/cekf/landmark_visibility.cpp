@@ -20,6 +20,12 @@ bool hides(float range_m, double surface_m) {
          static_cast<double>(range_m) < surface_m - kOcclusionMargin_m;
 }
 
+/// Whether a beam tells anything of what stands in its way, be it that nothing does. A laser that
+/// is masked, or a cloud that has no points there, tells nothing.
+bool tells(float range_m, const LaserScan& scan) {
+  return !std::isnan(range_m) && range_m > 0.0F && static_cast<double>(range_m) >= scan.range_min_m;
+}
+
 }  // namespace
 
 bool shouldBeVisible(const LaserScan& scan, const Eigen::Vector2d& position,
@@ -43,10 +49,15 @@ bool shouldBeVisible(const LaserScan& scan, const Eigen::Vector2d& position,
   const auto first = static_cast<std::size_t>(std::floor((offset - half_width) / step));
   const auto last = static_cast<std::size_t>(std::ceil((offset + half_width) / step));
   const double surface_m = distance_m - radius_m;
-  return std::none_of(
-      scan.ranges_m.begin() + static_cast<std::ptrdiff_t>(first),
-      scan.ranges_m.begin() + static_cast<std::ptrdiff_t>(std::min(last + 1, scan.ranges_m.size())),
-      [&](float range_m) { return hides(range_m, surface_m); });
+  const auto begin = scan.ranges_m.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto end =
+      scan.ranges_m.begin() + static_cast<std::ptrdiff_t>(std::min(last + 1, scan.ranges_m.size()));
+  if (std::any_of(begin, end, [&](float range_m) { return hides(range_m, surface_m); })) {
+    return false;
+  }
+  const auto telling =
+      std::count_if(begin, end, [&](float range_m) { return tells(range_m, scan); });
+  return 2 * telling >= end - begin;
 }
 
 }  // namespace hymm::core

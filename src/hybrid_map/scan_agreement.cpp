@@ -61,7 +61,7 @@ ScanAgreement ScanMatcher::agreement(const HybridMap& map, const LaserScan& scan
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
     const bool is_hit =
-        range >= scan.range_min_m && range <= std::min(scan.range_max_m, config_.range_m);
+        range >= scan.range_min_m && range < scan.range_max_m && range <= config_.range_m;
     if (!is_hit) continue;
     ++beams;
     const double bearing = T_map_laser.yaw_rad + scan.bearing(i);

@@ -67,8 +67,10 @@ std::size_t ScanWriter::write(const LaserScan& scan, const Pose2& T_map_laser,
   const Eigen::Vector2d start = T_map_laser.position();
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
-    const bool is_measured = range >= scan.range_min_m && range <= scan.range_max_m;
-    const bool is_clear = std::isinf(range) && range > 0.0 && config_.clear_without_return;
+    // The maximum itself is how some drivers say "no return"; beyond may as well be a mask.
+    const bool is_measured = range >= scan.range_min_m && range < scan.range_max_m;
+    const bool has_no_return = range > 0.0 && (std::isinf(range) || range == scan.range_max_m);
+    const bool is_clear = has_no_return && config_.clear_without_return;
     if (!is_measured && !is_clear) continue;
     const double length =
         std::min({range, config_.range_m, is_clear ? scan.range_max_m : config_.range_m});

@@ -25,6 +25,7 @@ HymmGridNode::HymmGridNode(const core::HymmGridConfig& config, const core::Vehic
     : config_(config),
       vehicle_(vehicle),
       transforms_(tf_, causes_),
+      scan_places_(tf_, vehicle.base_frame, std::nullopt, 0.0),
       clouds_(SensorMountings(tf_, vehicle.base_frame, std::nullopt, kMountingWait_s), point_clouds,
               causes_),
       mapper_(config),
@@ -166,6 +167,9 @@ void HymmGridNode::process(const PairedScan& paired) {
   }
   if (paired.scan) {
     step.scan = fromMessage(*paired.scan);
+    const bool is_laser = config_.scan_input != "points";  // scans of clouds are upright
+    const std::string& frame = paired.scan->header.frame_id;
+    if (is_laser && scan_places_.find(frame, 0.0).upside_down) turnUpright(*step.scan);
     last_scan_ = step.scan;
   }
   if (paused_ && step.scan) {

@@ -29,6 +29,7 @@
 #include "ros/grid_output.h"
 #include "ros/sample_placer.h"
 #include "ros/scan_pairing.h"
+#include "ros/sensor_mountings.h"
 #include "ros/traffic_meter.h"
 #include "ros/transform_reader.h"
 #include "vehicle/vehicle_config.h"
@@ -95,6 +96,7 @@ class HymmGridNode {
   mutable std::mutex inputs_mutex_;  ///< over what callbacks fill
   std::condition_variable arrived_;
   ScanPairing pairing_;
+  SensorMountings scan_places_;
   CloudScans clouds_;
   std::deque<PropertySample::ConstPtr> samples_;
 

@@ -92,7 +92,7 @@ void RelocaliserNode::takeDeadReckoning(const DeadReckoning& message) {
 }
 
 void RelocaliserNode::takeOdometry(const nav_msgs::Odometry& message) {
-  takeMotion(fromMessage(message));
+  if (const auto input = odometry_.read(message, causes_)) takeMotion(*input);
 }
 
 void RelocaliserNode::takeMotion(const core::MotionInput& input) {

@@ -28,6 +28,7 @@
 #include "relocaliser/relocalisation.h"
 #include "ros/cause_log.h"
 #include "ros/filter_service_link.h"
+#include "ros/odometry_reader.h"
 #include "ros/traffic_meter.h"
 #include "vehicle/vehicle_config.h"
 
@@ -74,6 +75,7 @@ class RelocaliserNode {
   std::string map_frame_;
   ros::NodeHandle handle_;
   CauseLog causes_;
+  OdometryReader odometry_;
   TrafficMeter traffic_;
 
   std::mutex inputs_mutex_;  ///< over everything down to commands_

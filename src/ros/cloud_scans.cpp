@@ -21,11 +21,8 @@ std::vector<sensor_msgs::LaserScan::ConstPtr> CloudScans::takeReady(double stead
         mountings_.findInSpace(cloud.header.frame_id, steady_now_s);
     if (mounting.waiting) break;
     CloudScan converted = scanOfCloud(cloud, mounting, config_);
-    if (converted.scan) {
-      scans.push_back(std::move(converted.scan));
-    } else {
-      causes_.count(converted.cause, converted.problem);
-    }
+    if (!converted.cause.empty()) causes_.count(converted.cause, converted.problem);
+    if (converted.scan) scans.push_back(std::move(converted.scan));
     waiting_.pop_front();
   }
   for (; waiting_.size() > kMostWaiting; waiting_.pop_front()) {

@@ -19,10 +19,6 @@ core::SensorEvent placed(core::ObservationSet set, const core::Pose2& T_base_sen
   return set;
 }
 
-template <class Message>
-constexpr bool kIsMotion =
-    std::is_same_v<Message, DeadReckoning> || std::is_same_v<Message, nav_msgs::Odometry>;
-
 }  // namespace
 
 EventReader::EventReader(SensorMountings mountings, GpsConverter gps,
@@ -38,8 +34,10 @@ EventReader::Answer EventReader::read(const SensorMessage& message, double stead
                                              "' has the stamp 0, which means none; it is refused.");
           return {};
         }
-        if constexpr (kIsMotion<Message>) {
+        if constexpr (std::is_same_v<Message, DeadReckoning>) {
           return {core::MotionInput(fromMessage(*pointer)), false};
+        } else if constexpr (std::is_same_v<Message, nav_msgs::Odometry>) {
+          return {readOdometry(*pointer), false};
         } else if constexpr (std::is_same_v<Message, sensor_msgs::NavSatFix>) {
           return {readGps(*pointer), false};
         } else if constexpr (std::is_same_v<Message, sensor_msgs::PointCloud2>) {
@@ -62,6 +60,7 @@ EventReader::Answer EventReader::readPlaced(const Message& message, double stead
     return {};
   }
   auto measurement = fromMessage(message);
+  if (mounting.upside_down) turnUpright(measurement);
   if constexpr (std::is_same_v<Message, sensor_msgs::LaserScan>) {
     if (core::invalidRanges(measurement) > 0) {
       causes_.count("scans with negative ranges",
@@ -79,11 +78,15 @@ EventReader::Answer EventReader::readCloud(const sensor_msgs::PointCloud2& messa
       mountings_.findInSpace(message.header.frame_id, steady_now_s);
   if (mounting.waiting) return {std::nullopt, true};
   const CloudScan cloud = scanOfCloud(message, mounting, points_);
-  if (!cloud.scan) {
-    causes_.count(cloud.cause, cloud.problem);
-    return {};
-  }
+  if (!cloud.cause.empty()) causes_.count(cloud.cause, cloud.problem);
+  if (!cloud.scan) return {};
   return {placed(fromMessage(*cloud.scan), *mounting.T_base_sensor), false};
+}
+
+std::optional<core::SensorEvent> EventReader::readOdometry(const nav_msgs::Odometry& message) {
+  const std::optional<core::TwistInput> input = odometry_.read(message, causes_);
+  if (!input) return std::nullopt;
+  return core::SensorEvent(core::MotionInput(*input));
 }
 
 std::optional<core::SensorEvent> EventReader::readGps(const sensor_msgs::NavSatFix& message) {
@@ -92,12 +95,14 @@ std::optional<core::SensorEvent> EventReader::readGps(const sensor_msgs::NavSatF
     causes_.count("GPS fix refused", "A GPS fix is refused: " + answer.problem + ".");
     return std::nullopt;
   }
+  if (!answer.problem.empty()) causes_.count("GPS fix without covariance", answer.problem);
   return core::SensorEvent(*answer.fix);
 }
 
 void EventReader::reset() {
   mountings_.reset();
   gps_.reset();
+  odometry_.reset();
 }
 
 }  // namespace hymm

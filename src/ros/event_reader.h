@@ -6,6 +6,7 @@
 #include "pipeline/sensor_event.h"
 #include "ros/cause_log.h"
 #include "ros/gps_converter.h"
+#include "ros/odometry_reader.h"
 #include "ros/sensor_mountings.h"
 #include "ros/sensor_queue.h"
 
@@ -30,6 +31,7 @@ class EventReader {
   void reset();
 
  private:
+  std::optional<core::SensorEvent> readOdometry(const nav_msgs::Odometry& message);
   std::optional<core::SensorEvent> readGps(const sensor_msgs::NavSatFix& message);
   template <class Message>
   Answer readPlaced(const Message& message, double steady_now_s);
@@ -37,6 +39,7 @@ class EventReader {
 
   SensorMountings mountings_;
   GpsConverter gps_;
+  OdometryReader odometry_;
   core::PointCloudConfig points_;
   CauseLog& causes_;
 };

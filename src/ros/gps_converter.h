@@ -16,8 +16,12 @@ class GpsConverter {
  public:
   struct Answer {
     std::optional<core::GpsFix> fix;
-    std::string problem;  ///< why there is none
+    std::string problem;  ///< why there is none, or what had to be assumed
   };
+
+  /// Deviation of a fix that does not tell its covariance: a usual figure of receivers without
+  /// corrections.
+  static constexpr double kAssumedDeviation_m = 5.0;
 
   /// `antenna`: its place in base_link.
   explicit GpsConverter(const Eigen::Vector2d& antenna) : antenna_(antenna) {}

@@ -84,6 +84,20 @@ core::TwistInput fromMessage(const nav_msgs::Odometry& message) {
           message.twist.twist.angular.z};
 }
 
+void turnUpright(core::LaserScan& scan) {
+  scan.angle_min_rad = -scan.angle_min_rad;
+  scan.angle_increment_rad = -scan.angle_increment_rad;
+}
+
+void turnUpright(core::ObservationSet& set) {
+  for (core::Observation& observation : set.observations) {
+    observation.bearing_rad = -observation.bearing_rad;
+    observation.covariance(0, 1) = -observation.covariance(0, 1);
+    observation.covariance(1, 0) = -observation.covariance(1, 0);
+    observation.diameter_covariance[1] = -observation.diameter_covariance[1];
+  }
+}
+
 core::ObservationSet fromMessage(const LandmarkObservations& message) {
   core::ObservationSet set;
   set.time_s = message.header.stamp.toSec();

@@ -26,6 +26,9 @@ DeadReckoning toMessage(const core::AckermannInput& input, const std::string& fr
 
 /// The twist of the odometry; its pose is not used.
 core::TwistInput fromMessage(const nav_msgs::Odometry& message);
+/// What a sensor upside down measured, as an upright one with the same x axis would tell it.
+void turnUpright(core::LaserScan& scan);
+void turnUpright(core::ObservationSet& set);
 
 /// Observations without the place of the sensor, which tf knows.
 core::ObservationSet fromMessage(const LandmarkObservations& message);

@@ -1,6 +1,7 @@
 #include "ros/sensor_mountings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,7 @@ constexpr double kUpright = 0.985;  // 10 degrees: the scan's plane is taken to 
 SensorMountings::Answer answerOf(const geometry_msgs::Transform& transform) {
   SensorMountings::Answer answer;
   answer.T_base_sensor = fromMessage(transform);
+  answer.upside_down = uprightness(transform.rotation) < 0.0;
   const auto& q = transform.rotation;
   const auto& t = transform.translation;
   answer.T_base_frame.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
@@ -85,11 +87,11 @@ SensorMountings::Answer SensorMountings::ask(const std::string& sensor_frame, bo
       findTransform(tf_, base_frame_, withoutSlash(sensor_frame), ros::Time(0));
   if (found.transform) {
     const geometry_msgs::Transform& transform = found.transform->transform;
-    if (in_space || uprightness(transform.rotation) >= kUpright) return answerOf(transform);
-    answer.problem =
-        "the sensor of frame '" + sensor_frame +
-        "' is tilted by over 10 degrees or upside down; its scan is not in the plane of '" +
-        base_frame_ + "'";
+    if (in_space || std::abs(uprightness(transform.rotation)) >= kUpright)
+      return answerOf(transform);
+    answer.problem = "the sensor of frame '" + sensor_frame +
+                     "' is tilted by over 10 degrees; its scan is not in the plane of '" +
+                     base_frame_ + "'";
     return answer;
   }
   answer.waiting = waited_s < wait_s_;

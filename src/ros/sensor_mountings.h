@@ -19,6 +19,9 @@ class SensorMountings {
  public:
   struct Answer {
     std::optional<core::Pose2> T_base_sensor;
+    /// Its z axis points down: angles about it count clockwise seen from above. T_base_sensor is of
+    /// its x axis all the same.
+    bool upside_down = false;
     bool waiting = false;  ///< not known yet; ask again
     std::string problem;   ///< where it is neither: why, and what to do
     Eigen::Isometry3d T_base_frame = Eigen::Isometry3d::Identity();  ///< of findInSpace()

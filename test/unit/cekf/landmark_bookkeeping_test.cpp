@@ -154,6 +154,15 @@ class LandmarkVisibility : public testing::Test {
 
 TEST_F(LandmarkVisibility, ExpectsWhatStandsFreelyInView) { EXPECT_TRUE(visible({10.0, 2.0})); }
 
+TEST_F(LandmarkVisibility, ExpectsNothingWhereBeamsTellNothing) {
+  for (const float mask : {std::numeric_limits<float>::quiet_NaN(), 0.0F}) {
+    scan_.ranges_m.assign(361, mask);  // the vehicle's own body, or a cloud without points there
+    EXPECT_FALSE(visible({10.0, 2.0})) << mask;
+  }
+  scan_.ranges_m.assign(361, 82.0F);  // beyond the maximum: nothing there
+  EXPECT_TRUE(visible({10.0, 2.0}));
+}
+
 TEST_F(LandmarkVisibility, ExpectsNothingBehindOrFarAway) {
   EXPECT_FALSE(visible({-10.0, 0.0}));
   EXPECT_FALSE(visible({0.1, 10.0}));

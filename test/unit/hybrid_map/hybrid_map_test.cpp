@@ -336,6 +336,15 @@ TEST(HybridMap, SkipsBeamsThatMeasuredNothing) {
   EXPECT_EQ(map.counts().beams, 0U);
 }
 
+TEST(HybridMap, TheLargestRangeIsNoReturnAndNoObstacle) {
+  HybridMap at_maximum = mapOver(squareMap()), without_return = mapOver(squareMap());
+  const double range_max_m = beam({}, 5.0).scan.range_max_m;
+  EXPECT_TRUE(at_maximum.insert(beam({}, range_max_m)).accepted);
+  EXPECT_TRUE(without_return.insert(beam({}, double{INFINITY})).accepted);
+  EXPECT_EQ(at_maximum.counts().beams, without_return.counts().beams);
+  EXPECT_EQ(at_maximum.evidenceInLtrs(0), without_return.evidenceInLtrs(0));
+}
+
 TEST(HybridMap, RefusesLandmarksThatAreNotFiniteOrOld) {
   LandmarkMap landmarks = squareMap();
   landmarks.version = 5;

@@ -1,6 +1,8 @@
 #include "ros/cloud_scans.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <boost/make_shared.hpp>
@@ -126,14 +128,53 @@ TEST_F(PointClouds, WhoseDataDoNotFitTheirLayoutAreRefused) {
   cloud.width = std::numeric_limits<std::uint32_t>::max();
   EXPECT_THAT(problemOf(cloud), HasSubstr("size"));
   cloud = *whole;
-  cloud.fields[0].datatype = sensor_msgs::PointField::FLOAT64;
+  cloud.fields[0].datatype = sensor_msgs::PointField::INT32;
   EXPECT_THAT(problemOf(cloud), HasSubstr("FLOAT32"));
+  cloud = *whole;
+  cloud.row_step = 4U;
+  EXPECT_THAT(problemOf(cloud), HasSubstr("size"));
   cloud = *whole;
   cloud.fields[0].offset = std::numeric_limits<std::uint32_t>::max();
   EXPECT_THAT(problemOf(cloud), HasSubstr("point_step"));
-  cloud = *whole;
+}
+
+TEST_F(PointClouds, OfDoublesInBigEndianRowsWithPaddingAreRead) {
+  mount();
+  constexpr std::uint32_t kPadding = 12;
+  sensor_msgs::PointCloud2 cloud = *cloudOf({});
+  cloud.height = 2U;
+  cloud.width = 1U;
+  cloud.point_step = 3U * sizeof(double);
+  cloud.row_step = cloud.point_step + kPadding;
   cloud.is_bigendian = 1U;
-  EXPECT_THAT(problemOf(cloud), HasSubstr("big-endian"));
+  cloud.fields.resize(3);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    cloud.fields[i].datatype = sensor_msgs::PointField::FLOAT64;
+    cloud.fields[i].offset = i * static_cast<std::uint32_t>(sizeof(double));
+  }
+  cloud.data.assign(2U * cloud.row_step - kPadding, 0U);  // the last row ends with its points
+  const auto put = [&](std::size_t at, double value) {
+    std::uint8_t bytes[sizeof(double)];
+    std::memcpy(bytes, &value, sizeof(value));
+    std::reverse_copy(bytes, bytes + sizeof(double), cloud.data.begin() + static_cast<long>(at));
+  };
+  put(0, 6.0);                                // x of the first row's point
+  put(cloud.row_step + sizeof(double), 5.0);  // y of the second's
+  EXPECT_EQ(problemOf(cloud), "");
+  scans_.add(boost::make_shared<sensor_msgs::PointCloud2>(cloud));
+  const auto scans = scans_.takeReady(0.0);
+  ASSERT_THAT(scans, SizeIs(1));
+  EXPECT_EQ(std::count_if(scans[0]->ranges.begin(), scans[0]->ranges.end(),
+                          [](float range) { return range == 6.0F || range == 5.0F; }),
+            2);
+}
+
+TEST_F(PointClouds, BelowTheHeightsOfObstaclesAreScansWithoutAnyAndAreTold) {
+  mount();
+  scans_.add(cloudOf({{5.0F, 0.0F, -50.0F}, {6.0F, 0.0F, -51.0F}}));
+  EXPECT_THAT(scans_.takeReady(0.0), SizeIs(1));
+  EXPECT_THAT(causes_.counts(),
+              Contains(Key("point clouds without a point at the heights of obstacles")));
 }
 
 TEST_F(PointClouds, WithoutPointsSayNothing) {

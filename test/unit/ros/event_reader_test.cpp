@@ -75,9 +75,18 @@ TEST_F(SensorMountingsTest, WithoutAnyKnowledgeNameTheFrame) {
 
 TEST_F(SensorMountingsTest, ATiltedLaserIsRefused) {
   placeSensor("tilted", {3.0, 0.0, 0.0}, 0.3);
-  placeSensor("upside_down", {3.0, 0.0, 0.0}, core::kPi);
+  placeSensor("half_over", {3.0, 0.0, 0.0}, 2.8);
   EXPECT_THAT(mountings().find("tilted", 0.0).problem, HasSubstr("tilted"));
-  EXPECT_THAT(mountings().find("upside_down", 0.0).problem, HasSubstr("upside down"));
+  EXPECT_THAT(mountings().find("half_over", 0.0).problem, HasSubstr("tilted"));
+}
+
+TEST_F(SensorMountingsTest, ALaserUpsideDownKeepsTheDirectionOfItsXAxis) {
+  placeSensor("upside_down", {3.0, 0.5, 0.0}, core::kPi);
+  const auto answer = mountings().find("upside_down", 0.0);
+  ASSERT_TRUE(answer.T_base_sensor);
+  EXPECT_TRUE(answer.upside_down);
+  EXPECT_NEAR(answer.T_base_sensor->y_m, 0.5, 1e-12);
+  EXPECT_NEAR(answer.T_base_sensor->yaw_rad, 0.0, 1e-12);
 }
 
 TEST_F(SensorMountingsTest, ANewRecordingMayHaveItsLaserElsewhere) {
@@ -170,10 +179,48 @@ TEST_F(EventReaderTest, NegativeRangesAreCountedByScan) {
 }
 
 TEST_F(EventReaderTest, AFixThatCannotBeUsedIsCounted) {
-  const SensorMessage fix =
-      sensor_msgs::NavSatFix::ConstPtr(stamped<sensor_msgs::NavSatFix>("gps"));  // no covariance
-  EXPECT_FALSE(reader_.read(fix, 0.0).event);
+  const auto fix = stamped<sensor_msgs::NavSatFix>("gps");
+  fix->status.status = sensor_msgs::NavSatStatus::STATUS_NO_FIX;
+  EXPECT_FALSE(reader_.read(sensor_msgs::NavSatFix::ConstPtr(fix), 0.0).event);
   EXPECT_THAT(causes_.counts(), Contains(Key("GPS fix refused")));
+}
+
+TEST_F(EventReaderTest, ScansFromUpsideDownAreToldAsAnUprightLaserWould) {
+  placeSensor("hanging", {3.0, 0.0, 0.0}, core::kPi);
+  auto message = stamped<sensor_msgs::LaserScan>("hanging");
+  message->angle_min = -0.5F;
+  message->angle_increment = 0.25F;
+  message->ranges = {1.0F, 2.0F, 3.0F};
+  const auto event = reader_.read(sensor_msgs::LaserScan::ConstPtr(message), 0.0).event;
+  ASSERT_TRUE(event);
+  const core::LaserScan& scan = std::get<core::ScanEvent>(*event).scan;
+  EXPECT_NEAR(scan.bearing(0), 0.5, 1e-6);  // on the sensor's right, which is the vehicle's left
+  EXPECT_NEAR(scan.bearing(2), 0.0, 1e-6);
+}
+
+TEST_F(EventReaderTest, DetectionsFromUpsideDownAreMirrored) {
+  placeSensor("hanging", {3.0, 0.0, 0.0}, core::kPi);
+  auto message = stamped<LandmarkObservations>("hanging");
+  message->observations.resize(1);
+  message->observations[0].bearing = 0.3;
+  message->observations[0].covariance = {0.04, 0.001, 0.001, 0.01};
+  const auto event = reader_.read(LandmarkObservations::ConstPtr(message), 0.0).event;
+  ASSERT_TRUE(event);
+  const core::Observation& seen = std::get<core::ObservationSet>(*event).observations.at(0);
+  EXPECT_EQ(seen.bearing_rad, -0.3);
+  EXPECT_EQ(seen.covariance(0, 1), -0.001);
+  EXPECT_EQ(seen.covariance(1, 1), 0.01);
+}
+
+TEST_F(EventReaderTest, AFixWithoutCovarianceIsTakenWithAnAssumedOneAndTold) {
+  auto message = stamped<sensor_msgs::NavSatFix>("gps");
+  message->latitude = -33.0;
+  message->longitude = 151.0;
+  const auto event = reader_.read(sensor_msgs::NavSatFix::ConstPtr(message), 0.0).event;
+  ASSERT_TRUE(event);
+  EXPECT_EQ(std::get<core::GpsFix>(*event).covariance(1, 1),
+            GpsConverter::kAssumedDeviation_m * GpsConverter::kAssumedDeviation_m);
+  EXPECT_THAT(causes_.counts(), Contains(Key("GPS fix without covariance")));
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ TEST(GpsConverter, SaysWhyAFixIsRefused) {
   EXPECT_THAT(problemOf([](auto& m) { m.latitude = std::nan(""); }), HasSubstr("latitude"));
   EXPECT_THAT(problemOf([](auto& m) { m.latitude = 91.0; }), HasSubstr("latitude"));
   EXPECT_THAT(problemOf([](auto& m) { m.longitude = INFINITY; }), HasSubstr("longitude"));
-  EXPECT_THAT(problemOf([](auto& m) { m.position_covariance_type = 0; }), HasSubstr("covariance"));
+  EXPECT_THAT(problemOf([](auto& m) { m.status.status = -1; }), HasSubstr("no fix"));
   EXPECT_THAT(problemOf([](auto& m) { m.position_covariance[1] = 0.1; }), HasSubstr("symmetric"));
   EXPECT_THAT(problemOf([](auto& m) { m.position_covariance[0] = -1.0; }), HasSubstr("definite"));
 }
