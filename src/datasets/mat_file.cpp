@@ -1,13 +1,11 @@
 #include "datasets/mat_file.h"
 
-#include <array>
 #include <cstdint>
-#include <cstring>
-#include <fstream>
 
 #include <matio.h>
 
 #include "common/error.h"
+#include "datasets/mat_structure.h"
 
 namespace hymm::core {
 namespace {
@@ -25,72 +23,6 @@ std::string listOf(const std::set<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   return list.empty() ? "none" : list;
-}
-
-[[noreturn]] void refuseAsCutOff(const fs::path& path, std::uint64_t size) {
-  throw InputError(path.string() + " ends after " + std::to_string(size) +
-                   " bytes, within a variable" + kDamaged);
-}
-
-/// matio reads what is left of a version 5 file that was cut off, without a word. Such a file is a
-/// header of 128 bytes and then elements that each tell their length: they must end where the file
-/// does.
-void refuseCutOffVersion5(std::ifstream& stream, const fs::path& path, std::uint64_t size) {
-  constexpr std::uint64_t kHeader_bytes = 128, kTag_bytes = 8;
-  std::uint64_t at = kHeader_bytes;
-  while (at < size) {
-    std::array<std::uint32_t, 2> tag{};  // type, length
-    stream.seekg(static_cast<std::streamoff>(at));
-    stream.read(reinterpret_cast<char*>(tag.data()), kTag_bytes);
-    if (!stream || at + kTag_bytes + tag[1] > size) refuseAsCutOff(path, size);
-    at += kTag_bytes + tag[1];
-  }
-}
-
-std::uint32_t otherByteOrder(std::uint32_t word) {
-  return word << 24U | (word & 0xff00U) << 8U | (word >> 8U & 0xff00U) | word >> 24U;
-}
-
-/// A file of version 4 is a row of variables: five words, the name, the numbers. matio takes memory
-/// for whatever these words tell.
-void refuseCutOffVersion4(std::ifstream& stream, const fs::path& path, std::uint64_t size) {
-  constexpr std::array<std::uint64_t, 6> kNumber_bytes = {8, 4, 4, 2, 2, 1};  // by the type's tens
-  constexpr std::uint32_t kLargestType = 4052, kLongestName_bytes = 1024;
-  std::uint64_t at = 0;
-  while (at < size) {
-    std::array<std::uint32_t, 5> words{};  // type, rows, columns, is it complex, bytes of the name
-    stream.seekg(static_cast<std::streamoff>(at));
-    stream.read(reinterpret_cast<char*>(words.data()), sizeof(words));
-    if (!stream) refuseAsCutOff(path, size);
-    if (words[0] > kLargestType) {
-      for (std::uint32_t& word : words) word = otherByteOrder(word);
-    }
-    const auto [type, rows, columns, is_complex, name_bytes] = words;
-    const std::size_t number = type / 10 % 10;
-    if (type > kLargestType || number >= kNumber_bytes.size() || name_bytes > kLongestName_bytes) {
-      throw InputError(path.string() +
-                       " is not a MATLAB file, or its beginning is damaged; give a"
-                       " .mat file as MATLAB saves it.");
-    }
-    const double numbers = (is_complex == 0 ? 1.0 : 2.0) * rows * columns;
-    const double left = static_cast<double>(size - at) - sizeof(words) - name_bytes;
-    if (numbers * static_cast<double>(kNumber_bytes[number]) > left) refuseAsCutOff(path, size);
-    at += sizeof(words) + name_bytes + static_cast<std::uint64_t>(numbers) * kNumber_bytes[number];
-  }
-}
-
-/// Before matio believes what the file tells of itself.
-void refuseIfCutOff(const fs::path& path) {
-  const std::uint64_t size = fs::file_size(path);
-  std::ifstream stream(path, std::ios::binary);
-  std::array<char, 128> header{};
-  stream.read(header.data(), header.size());
-  const bool is_version_4 = size < header.size() || std::memcmp(header.data(), "MATLAB", 6) != 0;
-  stream.clear();
-  if (is_version_4) return refuseCutOffVersion4(stream, path, size);
-  if (std::memcmp(header.data(), "MATLAB 5.0", 10) != 0) return;
-  if (std::memcmp(header.data() + 126, "IM", 2) != 0) return;  // of another byte order
-  refuseCutOffVersion5(stream, path, size);
 }
 
 template <class Number>
@@ -164,7 +96,7 @@ MatFile::MatFile(const fs::path& path) : path_(path) {
   if (!fs::is_regular_file(path)) {
     throw InputError(path.string() + " does not exist or is not a file; check the path.");
   }
-  refuseIfCutOff(path);
+  checkMatStructure(path);
   mat_t* opened = Mat_Open(path.c_str(), MAT_ACC_RDONLY);
   if (opened == nullptr) {
     throw InputError(path.string() +

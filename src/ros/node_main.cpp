@@ -19,6 +19,9 @@ int runNode(int argc, char** argv, const char* name, const std::function<void()>
   } catch (const std::exception& error) {
     ROS_FATAL_STREAM(name << " ends: " << error.what());
   }
+  // Left to the end of the process, ROS now and then destroys a mutex that a thread of its still
+  // holds, and aborts.
+  if (ros::isStarted()) ros::shutdown();
   return 1;
 }
 

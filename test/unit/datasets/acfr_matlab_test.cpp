@@ -197,6 +197,28 @@ TEST_F(AcfrMatlab, RefusesNameThatIsLongerThanAnyIs) {
   expectRefusal({path("lsr.mat")}, "is not a MATLAB file");
 }
 
+TEST_F(AcfrMatlab, RefusesStructures) {
+  const std::array<std::uint32_t, 10> structure = {14, 32, 6, 8, 2, 0, 5, 8, 1, 1};
+  std::string file = readFile(writeMatFile(path("data_set.mat"), carPark())).substr(0, 128);
+  file += std::string(reinterpret_cast<const char*>(structure.data()), sizeof(structure));
+  folder_.write("data_set.mat", file);
+  expectRefusal({path("data_set.mat")}, "with matrices of numbers alone");
+}
+
+TEST_F(AcfrMatlab, RefusesCompressedVariableWithAnyBitWrong) {
+  const std::string file = readFile(writeMatFile(path("a.mat"), {matRow("LASER", {1.0, 2.0})}));
+  ASSERT_EQ(file[128], 15) << "is not compressed";
+  for (std::size_t bit = 8 * 128; bit < 8 * file.size(); ++bit) {
+    std::string damaged = file;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ 1 << bit % 8);
+    folder_.write("a.mat", damaged);
+    try {  // the window's size may be larger than needed: the variable is then as it was
+      EXPECT_EQ(MatFile(path("a.mat")).read("LASER").values, (std::vector<double>{1.0, 2.0}));
+    } catch (const InputError&) {
+    }
+  }
+}
+
 TEST_F(AcfrMatlab, RefusesWhatIsNoMatlabFile) {
   expectRefusal({folder_.write("data_set.mat", std::string(500, 'x'))}, "is not a MATLAB file");
   expectRefusal({path("none.mat")}, "does not exist");
