@@ -17,6 +17,7 @@ constexpr bool kLatched = true;
 constexpr std::uint32_t kRequestThreads = 2;
 constexpr std::size_t kMatricesAtOnce = 200;  ///< then queries see what there is
 constexpr std::size_t kDistrictsAtOnce = 4;   ///< between looks for news
+constexpr std::size_t kMostLevelSets = 64;
 constexpr double kDoorsEvery_s = 1.0;
 constexpr double kMoved_m = 0.01;  ///< by which a plan must move to be sent again
 
@@ -156,6 +157,12 @@ void DoorPlannerNode::takeLevelSet(const LevelSet& message) {
   }
   auto set = std::make_shared<const InformedPlaces>(message);
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (level_sets_.size() >= kMostLevelSets && level_sets_.count(message.value) == 0) {
+    causes_.count("level sets refused", "There are level sets of " +
+                                            std::to_string(kMostLevelSets) +
+                                            " values already; those of others are not used.");
+    return;
+  }
   level_sets_[message.value] = std::move(set);
 }
 

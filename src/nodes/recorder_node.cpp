@@ -12,9 +12,10 @@
 namespace hymm {
 namespace {
 
-constexpr std::uint32_t kUnbounded = 0;  // a record with holes would be worthless
-constexpr double kWriteDelay_s = 2.0;    // by stamps: what comes later than that is out of order
-constexpr double kModeWait_s = 5.0;      // by the wall, for the supervisor's first decision
+constexpr std::uint32_t kUnbounded = 0;    // a record with holes would be worthless
+constexpr double kWriteDelay_s = 2.0;      // by stamps: what comes later than that is out of order
+constexpr std::size_t kMostAhead = 10000;  // stamps of what waits for scans that may never come
+constexpr double kModeWait_s = 5.0;        // by the wall, for the supervisor's first decision
 
 }  // namespace
 
@@ -62,6 +63,7 @@ void RecorderNode::takeHealth(const FilterHealth& message) {
 
 void RecorderNode::takePoseInCharge(const geometry_msgs::PoseWithCovarianceStamped& message) {
   poses_[message.header.stamp.toSec()] = message.pose;
+  if (poses_.size() > kMostAhead) poses_.erase(poses_.begin());
 }
 
 void RecorderNode::addPairs() {
@@ -145,6 +147,10 @@ void RecorderNode::takeGps(const sensor_msgs::NavSatFix& message) {
   const GpsConverter::Answer answer = gps_.convert(message);
   if (answer.fix) {
     fixes_.emplace(answer.fix->time_s, *answer.fix);
+    if (fixes_.size() <= kMostAhead) return;
+    fixes_.erase(std::prev(fixes_.end()));
+    causes_.count("GPS fixes ahead of scans",
+                  "GPS fixes are stamped later than all scans; they are not recorded.");
   } else {
     causes_.count("GPS fix refused", "A GPS fix is not recorded: " + answer.problem + ".");
   }

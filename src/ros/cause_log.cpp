@@ -6,8 +6,10 @@ namespace hymm {
 
 void CauseLog::count(const std::string& cause, const std::string& sentence) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (++counts_[cause] == 1) {
-    ROS_WARN_STREAM(sentence << " (Told once; counted in /diagnostics as '" << cause << "'.)");
+  std::string name = cause.substr(0, kLongestCause);
+  if (counts_.size() >= kMostCauses && counts_.count(name) == 0) name = kOthers;
+  if (++counts_[name] == 1) {
+    ROS_WARN_STREAM(sentence << " (Told once; counted in /diagnostics as '" << name << "'.)");
   }
 }
 

@@ -1,5 +1,7 @@
 #include "ros/level_set_record.h"
 
+#include <cmath>
+
 #include "common/unfinished_file.h"
 #include "pipeline/information_stage.h"
 #include "ros/information_conversions.h"
@@ -9,6 +11,11 @@ namespace hymm {
 void LevelSetRecord::subscribe(ros::NodeHandle& handle) {
   subscriber_ = handle.subscribe("level_sets", 32, &LevelSetRecord::takeSet, this,
                                  ros::TransportHints().tcpNoDelay());
+}
+
+void LevelSetRecord::takeSet(const LevelSet& message) {
+  if (!std::isfinite(message.value)) return;
+  if (sets_.size() < kMostSets || sets_.count(message.value) > 0) sets_[message.value] = message;
 }
 
 void LevelSetRecord::write() const {

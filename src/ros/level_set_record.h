@@ -22,7 +22,9 @@ class LevelSetRecord {
   void write() const;
 
  private:
-  void takeSet(const LevelSet& message) { sets_[message.value] = message; }
+  static constexpr std::size_t kMostSets = 64;  ///< what follows is not kept
+
+  void takeSet(const LevelSet& message);
 
   std::filesystem::path folder_;
   std::map<double, LevelSet> sets_;  ///< by value

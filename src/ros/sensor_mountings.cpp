@@ -35,7 +35,8 @@ std::string framesInstead(const tf2::BufferCore& tf, const std::string& frame) {
          ". The vehicle's base_frame, odom_frame and map_frame say which are used)";
 }
 
-constexpr double kUpright = 0.985;  // 10 degrees: the scan's plane is taken to be the ground's
+constexpr std::size_t kMostFrames = 64;  // names come in messages; memory does not grow with them
+constexpr double kUpright = 0.985;       // 10 degrees: the scan's plane is taken to be the ground's
 
 SensorMountings::Answer answerOf(const geometry_msgs::Transform& transform) {
   SensorMountings::Answer answer;
@@ -66,6 +67,12 @@ SensorMountings::Answer SensorMountings::findInSpace(const std::string& sensor_f
 
 SensorMountings::Answer SensorMountings::remembered(const std::string& sensor_frame, bool in_space,
                                                     double steady_now_s) {
+  if (entries_.size() >= kMostFrames && entries_.count({sensor_frame, in_space}) == 0) {
+    Answer answer;
+    answer.problem = "messages of " + std::to_string(kMostFrames) +
+                     " other frames came before; give each sensor one frame, and keep it";
+    return answer;
+  }
   auto [place, is_new] = entries_.try_emplace({sensor_frame, in_space}, Entry{steady_now_s, {}});
   Entry& entry = place->second;
   if (is_new || !entry.answer.T_base_sensor) {

@@ -54,6 +54,15 @@ TEST_F(SensorMountingsTest, ALeadingSlashOfOldRecordingsIsNoOtherFrame) {
   ASSERT_TRUE(mountings().find("/laser", 0.0).T_base_sensor);
 }
 
+TEST_F(SensorMountingsTest, RememberNoMoreFramesThanAVehicleHas) {
+  SensorMountings places = mountings();
+  placeSensor("laser", {3.0, 0.5, 0.1});
+  EXPECT_TRUE(places.find("laser", 0.0).T_base_sensor);
+  for (int i = 0; i < 100; ++i) places.find("laser_" + std::to_string(i), 0.0);
+  EXPECT_THAT(places.find("another", 0.0).problem, HasSubstr("other frames came before"));
+  EXPECT_TRUE(places.find("laser", 0.0).T_base_sensor);
+}
+
 TEST_F(SensorMountingsTest, WaitForTfThenTakeTheVehiclesDescription) {
   SensorMountings places = mountings(core::Pose2{1.0, 2.0, 0.0});
   EXPECT_TRUE(places.find("laser", 10.0).waiting);
