@@ -169,8 +169,13 @@ void checkMatStructure(const fs::path& path) {
   const bool is_version_4 = size < header.size() || std::memcmp(header.data(), "MATLAB", 6) != 0;
   stream.clear();
   if (is_version_4) return checkVersion4(stream, path, size);
-  if (std::memcmp(header.data(), "MATLAB 5.0", 10) != 0) return;
-  if (std::memcmp(header.data() + 126, "IM", 2) != 0) return;  // of another byte order
+  constexpr char kVersion[] = "\0\1IM";  // and the byte order
+  if (std::memcmp(header.data(), "MATLAB 5.0", 10) != 0 ||
+      std::memcmp(header.data() + 124, kVersion, 4) != 0) {
+    throw InputError(path.string() +
+                     " is not of MATLAB's version 5 or 7 (or of another byte order); save it anew,"
+                     " with '-v7'.");
+  }
   checkVersion5(stream, path, size);
 }
 

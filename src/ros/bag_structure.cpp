@@ -229,7 +229,10 @@ class BagWalk {
 void checkBagStructure(const std::string& path) {
   const MappedFile file(path);
   const std::string_view content = file.content();
-  if (content.substr(0, kMagic.size()) == kMagic) BagWalk(content).check();
+  if (content.substr(0, kMagic.size()) != kMagic) {
+    throw std::runtime_error("it does not begin as bags of version 2.0 do");
+  }
+  BagWalk(content).check();
 }
 
 }  // namespace hymm

@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include <gmock/gmock.h>
 
@@ -195,6 +196,16 @@ TEST_F(AcfrMatlab, RefusesMatrixThatItsFileCannotHold) {
 TEST_F(AcfrMatlab, RefusesNameThatIsLongerThanAnyIs) {
   folder_.write("lsr.mat", version4({0, 1, 1, 0, 0x7fffffff}, 1));
   expectRefusal({path("lsr.mat")}, "is not a MATLAB file");
+}
+
+TEST_F(AcfrMatlab, RefusesOtherVersions) {
+  const std::string file = readFile(writeMatFile(path("data_set.mat"), carPark()));
+  for (const auto& [at, text] : {std::pair{7, "7.3"}, std::pair{125, "\2"}, std::pair{126, "MI"}}) {
+    std::string other = file;
+    other.replace(static_cast<std::size_t>(at), std::strlen(text), text);
+    folder_.write("data_set.mat", other);
+    expectRefusal({path("data_set.mat")}, "save it anew");
+  }
 }
 
 TEST_F(AcfrMatlab, RefusesStructures) {

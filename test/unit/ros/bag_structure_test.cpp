@@ -77,6 +77,14 @@ TEST(BagStructure, LengthsBeyondTheFileAreRefused) {
   }
 }
 
+TEST(BagStructure, WhatRosWouldTakeForABagIsRefused) {
+  const test::TemporaryFolder folder;
+  const std::string bag = writeBag(folder, rosbag::compression::Uncompressed);
+  const std::string path = folder.write("b.bag", replaced(bag, 6, "F"));  // #ROSBAF
+  EXPECT_THAT([&] { checkBagStructure(path); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("does not begin")));
+}
+
 TEST(BagStructure, IndexThatLeadsOutOfItsChunkIsRefused) {
   const test::TemporaryFolder folder;
   for (const auto compression : {rosbag::compression::Uncompressed, rosbag::compression::LZ4}) {
