@@ -12,6 +12,7 @@
 #include "cekf/interval_effect.h"
 #include "cekf/local_state.h"
 #include "cekf/passive_store.h"
+#include "cekf/vehicle_states.h"
 #include "common/serial_worker.h"
 
 namespace hymm::core {
@@ -21,7 +22,7 @@ struct SparseMeasurement {
   static constexpr int kNone = -1;
 
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();  ///< measured - predicted
-  Eigen::Matrix<double, 2, Eigen::Dynamic> H_vehicle;    ///< 2 x vehicle states, or 2 x 0 for none
+  VehicleJacobian H_vehicle;                             ///< 2 x vehicle states, or 2 x 0 for none
   int landmarks[2] = {kNone, kNone};                     ///< slots
   Eigen::Matrix2d H_landmarks[2] = {Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
   Eigen::Matrix2d noise = Eigen::Matrix2d::Identity();
@@ -58,9 +59,6 @@ struct UpdateOutcome {
 /// Landmarks are addressed by slots: small non-negative integers, reused after a global update.
 class CompressedEkf {
  public:
-  /// Vehicle states can be at most this many.
-  static constexpr int kMaxVehicleStates = 16;
-
   /// A filter with the given vehicle states and no landmark. Throws std::invalid_argument for sizes
   /// that do not fit.
   CompressedEkf(const Eigen::VectorXd& vehicle, const Eigen::MatrixXd& covariance,
@@ -68,8 +66,8 @@ class CompressedEkf {
 
   // --- State ---------------------------------------------------------------------------------
   int vehicleStates() const { return vehicle_states_; }
-  Eigen::VectorXd vehicle() const { return x_.head(vehicle_states_); }
-  Eigen::MatrixXd vehicleCovariance() const;
+  VehicleVector vehicle() const { return x_.head(vehicle_states_); }
+  VehicleMatrix vehicleCovariance() const;
 
   /// A landmark's position, active or not, as of now.
   Eigen::Vector2d landmark(int slot) const;
@@ -95,11 +93,22 @@ class CompressedEkf {
   // --- Motion and measurements ---------------------------------------------------------------
   /// vehicle <- `vehicle`, with P_vv <- J * P_vv * J' + Q and P_v* <- J * P_v*. The products with
   /// everything but the vehicle are put off until something needs them.
-  void predict(const Eigen::VectorXd& vehicle, const Eigen::MatrixXd& J, const Eigen::MatrixXd& Q);
+  void predict(const VehicleVector& vehicle, const VehicleMatrix& J, const VehicleMatrix& Q);
 
   /// Joint update with measurements whose landmarks are all active. Refused when an innovation is
   /// not finite or the innovation covariance not positive definite.
   UpdateOutcome update(const std::vector<SparseMeasurement>& measurements);
+
+  /// What such an update needs of all states, before anything changes.
+  struct Linearised {
+    Eigen::MatrixXd HP;        ///< H * P: measurements x states
+    Eigen::MatrixXd L;         ///< Cholesky factor of S = H * P * H' + R, lower triangle
+    Eigen::VectorXd whitened;  ///< L^-1 * innovations
+  };
+  /// Nothing if the update would be refused.
+  std::optional<Linearised> linearise(const std::vector<SparseMeasurement>& measurements) const;
+  /// The update with what linearise() has made of the same measurements and the same state.
+  UpdateOutcome update(const std::vector<SparseMeasurement>& measurements, Linearised linearised);
 
   /// From now on, or no longer, updates change the vehicle's states alone. The landmarks' errors
   /// are considered all the same, so that the vehicle's covariance stays true (Schmidt's filter: of
@@ -108,12 +117,14 @@ class CompressedEkf {
   bool areLandmarksFixed() const { return landmarks_fixed_; }
 
   /// The vehicle's and the active landmarks' states as the update would leave them, to linearise
-  /// there; nothing if it would be refused.
+  /// there.
+  Eigen::VectorXd statesAfter(const Linearised& linearised) const;
+  /// The same; nothing if the update would be refused.
   std::optional<Eigen::VectorXd> statesAfter(
       const std::vector<SparseMeasurement>& measurements) const;
-  /// The active landmark's place among such states.
   /// Farthest that an active landmark is from its place among such states [m].
   double largestMove(const Eigen::VectorXd& states) const;
+  /// The active landmark's place among such states.
   Eigen::Vector2d landmarkAmong(const Eigen::VectorXd& states, int slot) const {
     return states.segment<2>(rowOf(slot));
   }
@@ -131,7 +142,7 @@ class CompressedEkf {
 
   /// New active landmark at `position` = g(vehicle, z): covariance G * P_vv * G' + noise; g may
   /// depend on an active slot as well. Returns its slot.
-  int append(const Eigen::Vector2d& position, const Eigen::Matrix<double, 2, Eigen::Dynamic>& G,
+  int append(const Eigen::Vector2d& position, const VehicleJacobian& G,
              const Eigen::Matrix2d& noise, const SlotJacobian& other = {});
 
   /// New active pair of states that are no place but something else that measurements depend on,
@@ -212,13 +223,6 @@ class CompressedEkf {
   static constexpr int kPassive = -1;
   static constexpr int kFree = -2;
 
-  /// Innovations and what they are correlated with.
-  struct Linearised {
-    Eigen::MatrixXd HP;        ///< H * P: measurements x states
-    Eigen::MatrixXd L;         ///< Cholesky factor of S = H * P * H' + R, lower triangle
-    Eigen::VectorXd whitened;  ///< L^-1 * innovations
-  };
-
   void startInterval();
   int rowOf(int slot) const;
   int states() const { return vehicle_states_ + 2 * static_cast<int>(active_slots_.size()); }
@@ -246,7 +250,6 @@ class CompressedEkf {
   Eigen::MatrixXd timesMeasurementsTransposed(
       const Eigen::MatrixXd& HP, const std::vector<SparseMeasurement>& measurements) const;
 
-  std::optional<Linearised> linearise(const std::vector<SparseMeasurement>& measurements) const;
   /// W_b': covariance between the origin states and a passive landmark at the last global update.
   Eigen::Matrix<double, Eigen::Dynamic, 2> originCovariance(int slot) const;
   Eigen::Matrix<double, Eigen::Dynamic, 2> psiTimes(

@@ -2,34 +2,33 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
+#include <optional>
 #include <utility>
 
+#include "cekf/hypothesis_without.h"
+#include "cekf/joint_factor.h"
 #include "common/chi_square.h"
 
 namespace hymm::core {
 namespace {
 
-using Eigen::Index;
-using Eigen::Matrix2d;
-using Eigen::Vector2d;
-
-/// Depth-first search over observations; the Cholesky factor of the joint innovation covariance
-/// grows and shrinks by one block row with the hypothesis.
+/// Depth-first search over observations.
 class Search {
  public:
   Search(const std::vector<Pairing>& pairings, const Eigen::MatrixXd& S, int observations,
          const JointCompatibility& compatibility)
-      : pairings_(pairings), S_(S), compatibility_(compatibility), limits_(compatibility.limits()) {
+      : pairings_(pairings),
+        S_(S),
+        compatibility_(compatibility),
+        limits_(compatibility.limits()),
+        factor_(pairings, S, static_cast<std::size_t>(observations)) {
     by_observation_.resize(static_cast<std::size_t>(observations));
     for (std::size_t k = 0; k < pairings.size(); ++k) {
       by_observation_[static_cast<std::size_t>(pairings[k].observation)].push_back(
           static_cast<int>(k));
     }
     orderObservations();
-    const auto depth = static_cast<Index>(order_.size());
-    L_.setZero(2 * depth, 2 * depth);
-    y_.setZero(2 * depth);
     best_.pairings.assign(static_cast<std::size_t>(observations), -1);
     current_.assign(static_cast<std::size_t>(observations), -1);
   }
@@ -65,16 +64,25 @@ class Search {
         mahalanobis2 += ranked.front().first;
         const int pairing = ranked.front().second;
         other_cost += pairings_[static_cast<std::size_t>(pairing)].cue_cost;
-        appendToFactor(pairing);
-        chosen_.push_back(pairing);
-        current_[observation] = pairing;
+        choose(observation, pairing);
       } else {
         other_cost += limits_.unpaired_cost;
       }
     }
     keepIfBest(mahalanobis2, other_cost);
+    // If leaving out one more pairing already costs more than the best, nothing else is needed.
+    if (best_cost_ > limits_.unpaired_cost) notePlainPairings();
     chosen_.clear();
     current_.assign(current_.size(), -1);
+  }
+
+  void notePlainPairings() {
+    std::vector<int> plain;
+    std::copy_if(chosen_.begin(), chosen_.end(), std::back_inserter(plain), [this](int pairing) {
+      const int observation = pairings_[static_cast<std::size_t>(pairing)].observation;
+      return by_observation_[static_cast<std::size_t>(observation)].size() == 1;
+    });
+    if (!plain.empty()) plain_.emplace(pairings_, S_, plain);
   }
 
   void keepIfBest(double mahalanobis2, double other_cost) {
@@ -87,7 +95,7 @@ class Search {
   }
 
   void descend(std::size_t depth, double mahalanobis2, double other_cost) {
-    if (mahalanobis2 + other_cost >= best_cost_) return;
+    if (leastCost(mahalanobis2, other_cost) >= best_cost_) return;
     if (depth == order_.size()) return keepIfBest(mahalanobis2, other_cost);
     effort_ += nodeEffort();
     if (effort_ > limits_.max_nodes) {
@@ -99,15 +107,30 @@ class Search {
     const double widest_gate = compatibility_.gate(most_pairings);
     for (const auto& [increment, pairing] : rankedCandidates(observation)) {
       if (mahalanobis2 + increment > widest_gate) break;
-      appendToFactor(pairing);
-      chosen_.push_back(pairing);
-      current_[observation] = pairing;
+      choose(observation, pairing);
       descend(depth + 1, mahalanobis2 + increment,
               other_cost + pairings_[static_cast<std::size_t>(pairing)].cue_cost);
       current_[observation] = -1;
       chosen_.pop_back();
     }
+    const bool is_plain = plain_ && plain_->has(by_observation_[observation].front());
+    if (is_plain) plain_->leaveOut(by_observation_[observation].front());
     descend(depth + 1, mahalanobis2, other_cost + limits_.unpaired_cost);
+    if (is_plain) plain_->takeBack();
+  }
+
+  /// Below what no hypothesis costs that goes on from here. If it leaves out one more of the plain
+  /// pairings, it pays for that; if not, it is at least as far off as those that are not left out.
+  double leastCost(double mahalanobis2, double other_cost) const {
+    if (!plain_) return mahalanobis2 + other_cost;
+    return other_cost + std::min(std::max(mahalanobis2, plain_->distance2()),
+                                 mahalanobis2 + limits_.unpaired_cost);
+  }
+
+  void choose(std::size_t observation, int pairing) {
+    factor_.put(chosen_.size(), pairing);
+    chosen_.push_back(pairing);
+    current_[observation] = pairing;
   }
 
   /// A node's work grows with the square of the pairings it carries: in nodes of usual scans.
@@ -126,36 +149,11 @@ class Search {
         return pairings_[static_cast<std::size_t>(other)].landmark == landmark;
       });
       if (taken) continue;
-      const double increment = appendToFactor(k);
+      const double increment = factor_.put(chosen_.size(), k).distance2;
       if (std::isfinite(increment)) ranked.emplace_back(increment, k);
     }
     std::sort(ranked.begin(), ranked.end());
     return ranked;
-  }
-
-  /// Writes the block row of pairing `k` below the factor of those chosen; returns what it adds to
-  /// the squared Mahalanobis distance, infinite if the covariance is not positive definite.
-  double appendToFactor(int k) {
-    const auto n = static_cast<Index>(2 * chosen_.size());
-    for (std::size_t c = 0; c < chosen_.size(); ++c) {
-      const auto column = static_cast<Index>(2 * c);
-      Matrix2d block = S_.block<2, 2>(2 * k, 2 * chosen_[c]);
-      block -= L_.block(n, 0, 2, column).lazyProduct(L_.block(column, 0, 2, column).transpose());
-      const Matrix2d diagonal = L_.block<2, 2>(column, column);
-      L_.block<2, 2>(n, column) =
-          diagonal.triangularView<Eigen::Lower>().solve(block.transpose()).transpose();
-    }
-    Matrix2d own = S_.block<2, 2>(2 * k, 2 * k);
-    own -= L_.block(n, 0, 2, n).lazyProduct(L_.block(n, 0, 2, n).transpose());
-    const double l00 = std::sqrt(own(0, 0)), l10 = own(1, 0) / l00;
-    const double l11 = std::sqrt(own(1, 1) - l10 * l10);
-    if (!(l00 > 0.0) || !(l11 > 0.0)) return std::numeric_limits<double>::infinity();
-    L_.block<2, 2>(n, n) << l00, 0.0, l10, l11;
-    const Vector2d rest =
-        pairings_[static_cast<std::size_t>(k)].innovation - L_.block(n, 0, 2, n) * y_.head(n);
-    y_[n] = rest[0] / l00;
-    y_[n + 1] = (rest[1] - l10 * y_[n]) / l11;
-    return y_.segment<2>(n).squaredNorm();
   }
 
   const std::vector<Pairing>& pairings_;
@@ -164,9 +162,9 @@ class Search {
   const JointCompatibilityLimits& limits_;
   std::vector<std::vector<int>> by_observation_;
   std::vector<std::size_t> order_;  ///< observations that have candidates
-  /// By rows, two of which each product reads. Products are lazy: they are too small to be packed.
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> L_;
-  Eigen::VectorXd y_;  ///< L^-1 * innovations
+  JointFactor factor_;              ///< of those chosen
+  /// Pairings of the first hypothesis whose observations have no other candidate.
+  std::optional<HypothesisWithout> plain_;
   std::vector<int> chosen_, current_;
   double effort_ = 0.0;  ///< so far, in nodes
   double best_cost_ = 0.0;

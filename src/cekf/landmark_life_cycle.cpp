@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/LU>
 
 #include "cekf/landmark_visibility.h"
 #include "cekf/observation_model.h"
-#include "cekf/relinearisation.h"
 #include "cekf/vehicle_state.h"
 #include "common/chi_square.h"
 
@@ -22,13 +20,6 @@ constexpr double kNeighbourhood_m = 2.0;
 
 // Existence never becomes so certain that a felled tree could not be dropped.
 constexpr double kLargestLogOdds = 5.0;
-
-// Noise of the pseudo-observation "these two are one object".
-constexpr double kFusionVariance = 1e-4;
-
-// Between two searches for duplicates: what they find changes with the landmarks that come into
-// view.
-constexpr double kSearchPeriod_s = 1.0;
 
 // Moves that nobody needs to hear of.
 constexpr double kNoticeableMove_m = 1e-3;
@@ -225,116 +216,6 @@ void LandmarkLifeCycle::dropUnconfirmed(double time_s, CompressedEkf& filter) {
     drop(id, filter);
     ++counts_.dropped;
   }
-}
-
-double LandmarkLifeCycle::merge(const ScanAssociation& association, CompressedEkf& filter) {
-  if (config_.merge_distance_m <= 0.0) return 0.0;
-  for (const int slot : association.slots) {
-    if (slot == ScanAssociation::kNone) continue;
-    const RegisteredLandmark& landmark = registry_.bySlot(slot);
-    for (const int other_slot : registry_.slotsNear(landmark.position, config_.merge_distance_m)) {
-      if (other_slot == slot) continue;
-      const RegisteredLandmark& other = registry_.bySlot(other_slot);
-      if (!areOneObject(landmark, other, filter)) continue;
-      // The older one stays: others may already refer to it.
-      const bool is_older = landmark.id < other.id;
-      // One a scan is plenty, and references are void now.
-      return fuse({{is_older ? slot : other_slot, is_older ? other_slot : slot}}, filter);
-    }
-  }
-  return 0.0;
-}
-
-bool LandmarkLifeCycle::areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
-                                     CompressedEkf& filter) const {
-  if (areDistinct(a.id, b.id)) return false;
-  if (a.identity >= 0 || b.identity >= 0) return false;
-  if (!mayBeOneKind(a.type, b.type)) return false;
-  filter.activate(a.slot);
-  filter.activate(b.slot);
-  const Vector2d difference = filter.landmark(a.slot) - filter.landmark(b.slot);
-  const Matrix2d cross = filter.covariance(a.slot, b.slot);
-  const Matrix2d covariance = filter.covariance(a.slot, a.slot) +
-                              filter.covariance(b.slot, b.slot) - cross - cross.transpose() +
-                              kFusionVariance * Matrix2d::Identity();
-  return difference.dot(covariance.inverse() * difference) <= merge_gate_;
-}
-
-bool LandmarkLifeCycle::areDistinct(int id_a, int id_b) const {
-  const auto distinct = distinct_from_.find(id_a);
-  return distinct != distinct_from_.end() && distinct->second.count(id_b) > 0;
-}
-
-double LandmarkLifeCycle::closeLoop(double time_s, CompressedEkf& filter) {
-  if (time_s - searched_s_ < kSearchPeriod_s) return 0.0;
-  searched_s_ = time_s;
-  const auto are_distinct = [this](int a, int b) {
-    return areDistinct(registry_.bySlot(a).id, registry_.bySlot(b).id);
-  };
-  const auto duplicates = duplicate_search_.find(time_s, VehicleState::pose(filter).position(),
-                                                 are_distinct, registry_, filter);
-  return duplicates.empty() ? 0.0 : fuse(duplicates, filter);
-}
-
-/// Whether it is known where in the scan the landmark should be, to the separation of landmarks.
-bool LandmarkLifeCycle::isPlaceKnown(const RegisteredLandmark& landmark,
-                                     const CompressedEkf& filter) const {
-  const Pose2 pose = VehicleState::pose(filter);
-  const Vector2d arm = landmark.position - pose.position();
-  Eigen::Matrix<double, 2, 3> H;  // of the landmark's place relative to the vehicle's, by the pose
-  H << -1.0, 0.0, arm.y(), 0.0, -1.0, -arm.x();
-  const Eigen::Matrix<double, 3, 2> cross =
-      filter.vehicleLandmarkCovariance(landmark.slot).topRows<3>();
-  const Matrix2d covariance = H * filter.vehicleCovariance().topLeftCorner<3, 3>() * H.transpose() +
-                              H * cross + (H * cross).transpose() +
-                              filter.covariance(landmark.slot, landmark.slot);
-  return covariance.trace() < config_.min_separation_m * config_.min_separation_m;
-}
-
-double LandmarkLifeCycle::fuse(const std::vector<DuplicateLandmarks>& duplicates,
-                               CompressedEkf& filter) {
-  std::vector<SparseMeasurement> same_places;
-  for (const DuplicateLandmarks& pair : duplicates) {
-    SparseMeasurement same_place;
-    same_place.innovation = filter.landmark(pair.gone) - filter.landmark(pair.kept);
-    same_place.H_vehicle.resize(2, 0);
-    same_place.landmarks[0] = pair.kept;
-    same_place.landmarks[1] = pair.gone;
-    same_place.H_landmarks[0] = Matrix2d::Identity();
-    same_place.H_landmarks[1] = -Matrix2d::Identity();
-    same_place.noise = kFusionVariance * Matrix2d::Identity();
-    same_places.push_back(same_place);
-  }
-  // Which turn of the map would tear them apart: none, once their covariances belong to one place.
-  const auto fused = at_first_estimates_ ? filter.statesAfter(same_places) : std::nullopt;
-  if (fused) {
-    for (const DuplicateLandmarks& pair : duplicates) {
-      const Vector2d place = filter.landmarkAmong(*fused, pair.kept);
-      relinearise(registry_.bySlot(pair.kept), place, filter);
-      relinearise(registry_.bySlot(pair.gone), place, filter);
-    }
-  }
-  const UpdateOutcome outcome = filter.update(same_places);
-  if (!std::isfinite(outcome.nis)) return 0.0;
-  for (const DuplicateLandmarks& pair : duplicates) {
-    const RegisteredLandmark gone = registry_.bySlot(pair.gone);
-    takeOver(gone, registry_.bySlot(pair.kept));
-    drop(gone.id, filter);
-    merges_.push_back({gone.id, registry_.bySlot(pair.kept).id});
-    ++counts_.merged;
-  }
-  followMerges();
-  return outcome.largest_landmark_move_m;
-}
-
-void LandmarkLifeCycle::takeOver(const RegisteredLandmark& gone, RegisteredLandmark& kept) {
-  kept.observations += gone.observations;
-  kept.farthest_seen_m = std::max(kept.farthest_seen_m, gone.farthest_seen_m);
-  kept.last_seen_s = std::max(kept.last_seen_s, gone.last_seen_s);
-  kept.existence_log_odds = std::max(kept.existence_log_odds, gone.existence_log_odds);
-  if (kept.observations >= config_.confirm_observations) unconfirmed_ids_.erase(kept.id);
-  const std::set<int> others = distinct_from_[gone.id];
-  distinct_from_[kept.id].insert(others.begin(), others.end());
 }
 
 void LandmarkLifeCycle::drop(int id, CompressedEkf& filter) {

@@ -46,10 +46,9 @@ LocatedLandmark locateLandmark(const Pose2& T_map_base, const Pose2& T_base_sens
   return located;
 }
 
-Eigen::Matrix<double, 2, Eigen::Dynamic> vehicleJacobian(const RangeBearing& predicted,
-                                                         const SensorPlacement& sensor,
-                                                         int vehicle_states) {
-  Eigen::Matrix<double, 2, Eigen::Dynamic> H(2, vehicle_states);
+VehicleJacobian vehicleJacobian(const RangeBearing& predicted, const SensorPlacement& sensor,
+                                int vehicle_states) {
+  VehicleJacobian H(2, vehicle_states);
   H.setZero();
   H.leftCols<3>() = predicted.H_pose;
   if (sensor.yaw_state >= 0) H(1, sensor.yaw_state) = -1.0;
@@ -60,10 +59,9 @@ Eigen::Matrix<double, 2, Eigen::Dynamic> vehicleJacobian(const RangeBearing& pre
   return H;
 }
 
-Eigen::Matrix<double, 2, Eigen::Dynamic> vehicleJacobian(const LocatedLandmark& located,
-                                                         const SensorPlacement& sensor,
-                                                         int vehicle_states) {
-  Eigen::Matrix<double, 2, Eigen::Dynamic> G(2, vehicle_states);
+VehicleJacobian vehicleJacobian(const LocatedLandmark& located, const SensorPlacement& sensor,
+                                int vehicle_states) {
+  VehicleJacobian G(2, vehicle_states);
   G.setZero();
   G.leftCols<3>() = located.G_pose;
   if (sensor.yaw_state >= 0) G.col(sensor.yaw_state) = located.G_measurement.col(1);

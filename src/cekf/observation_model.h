@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "cekf/vehicle_states.h"
 #include "common/pose2.h"
 
 namespace hymm::core {
@@ -40,13 +41,11 @@ LocatedLandmark locateLandmark(const Pose2& T_map_base, const Pose2& T_base_sens
                                double bearing_rad);
 
 /// Jacobian of the measurement by all the vehicle's states, 2 x vehicle_states.
-Eigen::Matrix<double, 2, Eigen::Dynamic> vehicleJacobian(const RangeBearing& predicted,
-                                                         const SensorPlacement& sensor,
-                                                         int vehicle_states);
+VehicleJacobian vehicleJacobian(const RangeBearing& predicted, const SensorPlacement& sensor,
+                                int vehicle_states);
 
 /// Jacobian of the landmark's position by all the vehicle's states, 2 x vehicle_states.
-Eigen::Matrix<double, 2, Eigen::Dynamic> vehicleJacobian(const LocatedLandmark& located,
-                                                         const SensorPlacement& sensor,
-                                                         int vehicle_states);
+VehicleJacobian vehicleJacobian(const LocatedLandmark& located, const SensorPlacement& sensor,
+                                int vehicle_states);
 
 }  // namespace hymm::core

@@ -6,58 +6,67 @@
 
 #include <Eigen/Cholesky>
 
+#include "cekf/joint_factor.h"
 #include "common/angles.h"
 
 namespace hymm::core {
+namespace {
+
+/// What a pairing's odds are without its innovation.
+double oddsBeforeMeasuring(const Pairing& pairing) {
+  return -0.5 * pairing.cue_cost - std::log(2.0 * kPi * pairing.chance_density);
+}
+
+/// What a pairing adds to the log odds of those at the places before it.
+double gain(std::size_t place, int pairing, const std::vector<Pairing>& pairings,
+            JointFactor& factor) {
+  const JointFactor::Addition added = factor.put(place, pairing);
+  return oddsBeforeMeasuring(pairings[static_cast<std::size_t>(pairing)]) - 0.5 * added.distance2 -
+         added.log_deviations;
+}
+
+}  // namespace
+
+double logOdds(const Pairing& pairing, const Eigen::Matrix2d& S) {
+  const Eigen::LLT<Eigen::Matrix2d> factor(S);
+  if (factor.info() != Eigen::Success) return -std::numeric_limits<double>::infinity();
+  const Eigen::Vector2d whitened = factor.matrixL().solve(pairing.innovation);
+  return oddsBeforeMeasuring(pairing) - 0.5 * whitened.squaredNorm() -
+         factor.matrixLLT().diagonal().array().log().sum();
+}
 
 double logOdds(const std::vector<int>& chosen, const std::vector<Pairing>& pairings,
                const Eigen::MatrixXd& S) {
-  const auto n = static_cast<Eigen::Index>(chosen.size());
-  Eigen::MatrixXd joint(2 * n, 2 * n);
-  Eigen::VectorXd innovation(2 * n);
+  JointFactor factor(pairings, S, chosen.size());
   double log_odds = 0.0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const int k = chosen[static_cast<std::size_t>(i)];
-    const Pairing& pairing = pairings[static_cast<std::size_t>(k)];
-    innovation.segment<2>(2 * i) = pairing.innovation;
-    log_odds -= 0.5 * pairing.cue_cost + std::log(2.0 * kPi * pairing.chance_density);
-    for (Eigen::Index j = 0; j < n; ++j) {
-      joint.block<2, 2>(2 * i, 2 * j) =
-          S.block<2, 2>(2 * k, 2 * chosen[static_cast<std::size_t>(j)]);
-    }
+  for (std::size_t place = 0; place < chosen.size(); ++place) {
+    log_odds += gain(place, chosen[place], pairings, factor);
   }
-  const Eigen::LLT<Eigen::MatrixXd> factor(joint);
-  if (factor.info() != Eigen::Success) return -std::numeric_limits<double>::infinity();
-  const Eigen::VectorXd whitened = factor.matrixL().solve(innovation);
-  const Eigen::VectorXd deviations = factor.matrixLLT().diagonal();
-  return log_odds - 0.5 * whitened.squaredNorm() - deviations.array().log().sum();
+  return log_odds;
 }
 
 std::vector<int> provenPairings(const std::vector<int>& chosen,
                                 const std::vector<Pairing>& pairings, const Eigen::MatrixXd& S,
                                 double least_log_odds) {
+  JointFactor factor(pairings, S, chosen.size());
   std::vector<int> proven, open = chosen;
-  double proven_log_odds = 0.0;
-  const auto gain = [&](const std::vector<int>& more) {
-    std::vector<int> together = proven;
-    together.insert(together.end(), more.begin(), more.end());
-    return logOdds(together, pairings, S) - proven_log_odds;
-  };
   for (bool found = true; found;) {
     found = false;
     for (std::size_t i = 0; i < open.size();) {
-      const double log_odds = gain({open[i]});
-      if (log_odds < least_log_odds) {
+      if (gain(proven.size(), open[i], pairings, factor) < least_log_odds) {
         ++i;
         continue;
       }
       proven.push_back(open[i]);
-      proven_log_odds += log_odds;
       open.erase(open.begin() + static_cast<std::ptrdiff_t>(i));
       found = true;
     }
   }
-  if (!open.empty() && gain(open) >= least_log_odds) {
+  double together = 0.0;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    together += gain(proven.size() + i, open[i], pairings, factor);
+  }
+  if (!open.empty() && together >= least_log_odds) {
     proven.insert(proven.end(), open.begin(), open.end());
   }
   std::sort(proven.begin(), proven.end());

@@ -16,6 +16,8 @@ namespace hymm::core {
 /// `pairings`; `S` as for JointCompatibility::find(). Minus infinity if S is not positive definite.
 double logOdds(const std::vector<int>& chosen, const std::vector<Pairing>& pairings,
                const Eigen::MatrixXd& S);
+/// The same of one pairing, of innovation covariance `S`.
+double logOdds(const Pairing& pairing, const Eigen::Matrix2d& S);
 
 /// Of the pairings chosen, those that are no coincidence: each that by itself, or given such ones,
 /// has at least `least_log_odds`; and all others if these together, given such ones, have it.

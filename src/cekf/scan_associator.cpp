@@ -77,9 +77,7 @@ SparseMeasurement ScanAssociator::measure(Observation& sighting, const SensorPla
 
 /// Whether an object in the gate of innovation covariance `S` would hardly be another one.
 bool ScanAssociator::isPlaceKnown(const Matrix2d& S, double chance_density) const {
-  Pairing here;
-  here.chance_density = chance_density;
-  return logOdds({0}, {here}, S) >= least_log_odds_;
+  return logOdds(Pairing{0, 0, Vector2d::Zero(), 0.0, chance_density}, S) >= least_log_odds_;
 }
 
 ScanAssociation ScanAssociator::associate(const ObservationSet& set, const SensorPlacement& sensor,
@@ -146,9 +144,10 @@ ScanAssociator::SearchCircle ScanAssociator::searchCircle(const Observation& obs
       locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
                      observation.range_m - sensor.range_offset_m, observation.bearing_rad);
   const auto G = vehicleJacobian(located, sensor, filter.vehicleStates());
-  const Matrix2d covariance =
-      G * filter.vehicleCovariance() * G.transpose() +
-      located.G_measurement * observation.covariance * located.G_measurement.transpose();
+  const VehicleJacobian GP = G.lazyProduct(filter.vehicleCovariance());
+  const Matrix2d covariance = GP.lazyProduct(G.transpose()) + located.G_measurement *
+                                                                  observation.covariance *
+                                                                  located.G_measurement.transpose();
   return {located.position,
           kSearchMargin_m + std::sqrt(wider_gate_) * largestDeviation(covariance)};
 }

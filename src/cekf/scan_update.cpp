@@ -25,20 +25,21 @@ Vector2d predictedChange(const SparseMeasurement& measurement, const CompressedE
 
 }  // namespace
 
-bool ScanUpdate::isLarge(const Measurements& measurements, const CompressedEkf& filter) const {
-  if (!least_move_m_) return true;
-  const std::optional<VectorXd> states = filter.statesAfter(measurements);
-  return states && filter.largestMove(*states) > *least_move_m_;
+bool ScanUpdate::isLarge(const VectorXd& states_after, const CompressedEkf& filter) const {
+  return !least_move_m_ || filter.largestMove(states_after) > *least_move_m_;
 }
 
 UpdateOutcome ScanUpdate::update(const ObservationSet& set, const ScanAssociation& association,
                                  VehicleState& vehicle, LandmarkRegistry& registry,
                                  CompressedEkf& filter) {
   Measurements measurements = association.measurements;
-  if (!isLarge(measurements, filter)) return filter.update(measurements);
   for (int iteration = 1; iteration < max_iterations_; ++iteration) {
-    const std::optional<VectorXd> states = filter.statesAfter(measurements);
-    if (!states) break;
+    std::optional<CompressedEkf::Linearised> linearised = filter.linearise(measurements);
+    if (!linearised) break;
+    const std::optional<VectorXd> states = filter.statesAfter(*linearised);
+    if (iteration == 1 && !isLarge(*states, filter)) {
+      return filter.update(measurements, std::move(*linearised));
+    }
     const VectorXd at = states->head(filter.vehicleStates());
     const VectorXd vehicle_change = at - filter.vehicle();
     const SensorPlacement sensor = vehicle.placement(set.T_base_sensor, at);

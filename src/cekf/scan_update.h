@@ -32,7 +32,7 @@ class ScanUpdate {
  private:
   using Measurements = std::vector<SparseMeasurement>;
 
-  bool isLarge(const Measurements& measurements, const CompressedEkf& filter) const;
+  bool isLarge(const Eigen::VectorXd& states_after, const CompressedEkf& filter) const;
 
   int max_iterations_;
   std::optional<double> least_move_m_;  ///< with Jacobians at first estimates

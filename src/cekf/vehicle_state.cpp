@@ -59,7 +59,7 @@ Eigen::MatrixXd VehicleState::initialCovariance() const {
 }
 
 SensorPlacement VehicleState::placement(const Pose2& T_base_sensor,
-                                        const Eigen::VectorXd& state) const {
+                                        const VehicleVector& state) const {
   SensorPlacement sensor;
   sensor.T_base_sensor = T_base_sensor;
   sensor.T_base_sensor.yaw_rad = wrapAngle(T_base_sensor.yaw_rad + laser_yaw_.valueIn(state));
@@ -79,8 +79,8 @@ SensorPlacement VehicleState::placement(const Pose2& T_base_sensor,
 }
 
 LaserCalibration VehicleState::laserCalibration(const CompressedEkf& filter) const {
-  const Eigen::VectorXd state = filter.vehicle();
-  const Eigen::MatrixXd covariance = filter.vehicleCovariance();
+  const VehicleVector state = filter.vehicle();
+  const VehicleMatrix covariance = filter.vehicleCovariance();
   LaserCalibration laser;
   Eigen::Index row = 0;
   for (const LaserError& error : {laser_yaw_, laser_range_, laser_time_}) {
@@ -91,7 +91,7 @@ LaserCalibration VehicleState::laserCalibration(const CompressedEkf& filter) con
   return laser;
 }
 
-Calibration VehicleState::calibration(const Eigen::VectorXd& state) const {
+Calibration VehicleState::calibration(const VehicleVector& state) const {
   Eigen::Vector3d values = Calibration{}.vector();
   for (int k = 0; k < 3; ++k) {
     const int index = calibration_index_[static_cast<std::size_t>(k)];
@@ -100,13 +100,12 @@ Calibration VehicleState::calibration(const Eigen::VectorXd& state) const {
   return Calibration::fromVector(values);
 }
 
-MotionError VehicleState::motionError(const Eigen::VectorXd& state) const {
+MotionError VehicleState::motionError(const VehicleVector& state) const {
   return {state[kErrorIndex], state[kErrorIndex + 1],
           turn_relative_index_ >= 0 ? state[turn_relative_index_] : 0.0};
 }
 
-Eigen::Matrix3d VehicleState::calibrationCovariance(
-    const Eigen::MatrixXd& vehicle_covariance) const {
+Eigen::Matrix3d VehicleState::calibrationCovariance(const VehicleMatrix& vehicle_covariance) const {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
@@ -142,13 +141,18 @@ void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
     in_gap_ = true;
     ++gaps_;
   }
+  predict(filter, age_s, duration_s);
+  time_s_ = time_s;
+}
 
-  Eigen::VectorXd state = filter.vehicle();
+/// Carries the filter along a step of motion whose input is `age_s` old when it begins.
+void VehicleState::predict(CompressedEkf& filter, double age_s, double duration_s) {
+  VehicleVector state = filter.vehicle();
   const MotionStep step = model_.step(Pose2::fromVector(state.head<3>()), input_,
                                       calibration(state), age_s, duration_s, motionError(state));
   const Pose2 corrected = Pose2::fromVector(state.head<3>());
   state.head<3>() = step.pose.vector();
-  Eigen::MatrixXd J = Eigen::MatrixXd::Identity(size_, size_);
+  VehicleMatrix J = VehicleMatrix::Identity(size_, size_);
   J.topLeftCorner<3, 3>() = step.J_pose;
   if (at_first_estimates_) {
     const Eigen::Vector2d correction = corrected.position() - linearised_at_;
@@ -162,7 +166,7 @@ void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
   // The errors decay and are renewed, so that their deviation stays one.
   const Eigen::Vector3d times_s = model_.correlationTimes();
   const std::array<int, 3> errors{kErrorIndex, kErrorIndex + 1, turn_relative_index_};
-  Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(size_, size_);
+  VehicleMatrix Q = VehicleMatrix::Zero(size_, size_);
   Q.topLeftCorner<3, 3>() = step.white_noise;
   for (int k = 0; k < 3; ++k) {
     const int index = errors[static_cast<std::size_t>(k)];
@@ -174,7 +178,6 @@ void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
     Q(index, index) = 1.0 - kept * kept;
   }
   filter.predict(state, J, Q);
-  time_s_ = time_s;
 }
 
 }  // namespace hymm::core

@@ -39,17 +39,17 @@ class VehicleState {
   Eigen::MatrixXd initialCovariance() const;
 
   /// A sensor mounted at `T_base_sensor`, with its errors of yaw, range and time as among `state`.
-  SensorPlacement placement(const Pose2& T_base_sensor, const Eigen::VectorXd& state) const;
+  SensorPlacement placement(const Pose2& T_base_sensor, const VehicleVector& state) const;
 
   static Pose2 pose(const CompressedEkf& filter) {
     return Pose2::fromVector(filter.vehicle().head<3>());
   }
-  Calibration calibration(const Eigen::VectorXd& state) const;
-  MotionError motionError(const Eigen::VectorXd& state) const;
+  Calibration calibration(const VehicleVector& state) const;
+  MotionError motionError(const VehicleVector& state) const;
   /// Errors of the laser as estimated; what is not estimated is zero.
   LaserCalibration laserCalibration(const CompressedEkf& filter) const;
   /// Covariance of (speed scale, turn scale, turn offset); zero for what is not estimated.
-  Eigen::Matrix3d calibrationCovariance(const Eigen::MatrixXd& vehicle_covariance) const;
+  Eigen::Matrix3d calibrationCovariance(const VehicleMatrix& vehicle_covariance) const;
 
   /// Moves the filter to `time_s` with the input in force, then puts `input` in force. False, and
   /// nothing changes, if the input is not finite or not later than the last.
@@ -82,13 +82,14 @@ class VehicleState {
  private:
   template <class Archive>
   void describeState(Archive& archive);
+  void predict(CompressedEkf& filter, double age_s, double duration_s);
 
   /// Errors of the laser; the index is -1 for what is not estimated.
   struct LaserError {
     int index = -1;
     double deviation = 0.0;  ///< of the prior
 
-    double valueIn(const Eigen::VectorXd& state) const { return index >= 0 ? state[index] : 0.0; }
+    double valueIn(const VehicleVector& state) const { return index >= 0 ? state[index] : 0.0; }
   };
 
   MotionModel model_;
