@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-
 #include "cekf/landmark_visibility.h"
 #include "cekf/observation_model.h"
 #include "cekf/vehicle_state.h"
