@@ -4,9 +4,45 @@
 
 /// What the node `cekf_slam` tells in /diagnostics.
 namespace hymm {
+namespace {
+
+using Status = diagnostic_updater::DiagnosticStatusWrapper;
+using diagnostic_msgs::DiagnosticStatus;
+
+void addObservations(const core::CekfSlam::Counts& counts, Status& status) {
+  status.add("scans used", counts.scans);
+  status.add("scans refused", counts.refused_scans);
+  status.add("motion refused", counts.refused_motion);
+  status.add("observations refused", counts.refused_observations);
+  status.add("motion gaps", counts.motion_gaps);
+  status.add("scans without motion", counts.scans_without_motion);
+  status.add("observations", counts.observations);
+  status.add("observations associated", counts.associated);
+  status.add("observations rejected", counts.rejected);
+  status.add("associations cut short", counts.bounded_associations);
+  if (counts.bounded_associations > 0) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "Scans with more landmarks than association.max_nodes lets be searched");
+  }
+}
+
+void addGlobalUpdates(const core::CekfSlam::Counts& counts, double worker_s, Status& status) {
+  status.add("area switches", counts.area_switches);
+  status.add("global updates", counts.global_updates);
+  status.add("global updates deferred", counts.deferred_global_updates);
+  status.add("scans that waited for a global update", counts.global_update_waits);
+  const double worker_ms = 1e3 * worker_s;
+  status.add("worker CPU a scan [ms]",
+             counts.scans > 0 ? worker_ms / static_cast<double>(counts.scans) : 0.0);
+  if (counts.global_update_waits > 0) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "Scans waited for global updates: the machine is too slow for this map");
+  }
+}
+
+}  // namespace
 
 void CekfSlamNode::diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  using diagnostic_msgs::DiagnosticStatus;
   status.summary(DiagnosticStatus::OK, "All inputs arrive");
   inputs_.traffic().addTo(status);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -26,43 +62,19 @@ void CekfSlamNode::diagnoseInputs(diagnostic_updater::DiagnosticStatusWrapper& s
 }
 
 void CekfSlamNode::diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  using diagnostic_msgs::DiagnosticStatus;
   const std::lock_guard<std::mutex> lock(mutex_);
   const core::CekfSlam::Counts counts = filter_.counts();
   status.summary(DiagnosticStatus::OK, std::to_string(filter_.landmarkCount()) + " landmarks");
   if (counts.scans == 0) status.mergeSummary(DiagnosticStatus::WARN, "No scan has been used");
   status.add("landmarks", filter_.landmarkCount());
-  status.add("scans used", counts.scans);
-  status.add("scans refused", counts.refused_scans);
-  status.add("motion refused", counts.refused_motion);
-  status.add("observations refused", counts.refused_observations);
-  status.add("motion gaps", counts.motion_gaps);
-  status.add("scans without motion", counts.scans_without_motion);
-  status.add("observations", counts.observations);
-  status.add("observations associated", counts.associated);
-  status.add("observations rejected", counts.rejected);
-  status.add("associations cut short", counts.bounded_associations);
-  if (counts.bounded_associations > 0) {
-    status.mergeSummary(DiagnosticStatus::WARN,
-                        "Scans with more landmarks than association.max_nodes lets be searched");
-  }
+  addObservations(counts, status);
+  addGlobalUpdates(counts, filter_.cpuTimes().worker_s, status);
+  status.add("global update pending", filter_.isGlobalUpdatePending() ? 1 : 0);
   status.add("GPS fixes used", counts.gps_used);
   status.add("GPS fixes rejected", counts.gps_rejected);
   status.add("landmarks created", counts.landmarks_created);
   status.add("landmarks dropped", counts.landmarks_dropped);
   status.add("landmarks merged", counts.landmarks_merged);
-  status.add("area switches", counts.area_switches);
-  status.add("global updates", counts.global_updates);
-  status.add("global updates deferred", counts.deferred_global_updates);
-  status.add("global update pending", filter_.isGlobalUpdatePending() ? 1 : 0);
-  status.add("scans that waited for a global update", counts.global_update_waits);
-  const double worker_ms = 1e3 * filter_.cpuTimes().worker_s;
-  status.add("worker CPU a scan [ms]",
-             counts.scans > 0 ? worker_ms / static_cast<double>(counts.scans) : 0.0);
-  if (counts.global_update_waits > 0) {
-    status.mergeSummary(DiagnosticStatus::WARN,
-                        "Scans waited for global updates: the machine is too slow for this map");
-  }
   status.add("map corrections", counts.map_corrections);
   status.add("iterated updates", counts.iterated_updates);
   status.add("resets", counts.resets);

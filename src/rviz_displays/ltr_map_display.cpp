@@ -301,6 +301,18 @@ void LtrMapDisplay::drawDoors() {
 void LtrMapDisplay::tell() {
   const LandmarkFeed::State landmarks = feed_.state();
   setStatusStd(landmarks.ok ? Level::Ok : Level::Warn, "Landmarks", landmarks.sentence);
+  tellTriangles();
+  if (refused_ > 0) {
+    setStatusStd(Level::Error, "Messages",
+                 std::to_string(refused_) + " refused, the last because " + refusal_);
+  } else {
+    deleteStatus("Messages");
+  }
+  tellLayer();
+  tellDoors();
+}
+
+void LtrMapDisplay::tellTriangles() {
   std::string sentence = std::to_string(ltrs_.size()) + " triangles";
   Level level = Level::Ok;
   if (!has_ltrs_) {
@@ -315,12 +327,9 @@ void LtrMapDisplay::tell() {
                 std::to_string(feed_.map().version) + ")";
   }
   setStatusStd(level, "Triangles", sentence);
-  if (refused_ > 0) {
-    setStatusStd(Level::Error, "Messages",
-                 std::to_string(refused_) + " refused, the last because " + refusal_);
-  } else {
-    deleteStatus("Messages");
-  }
+}
+
+void LtrMapDisplay::tellLayer() {
   const std::string chosen = layer_->getStdString();
   const std::set<std::string> layers = textures_.layers();
   std::string known;
@@ -338,6 +347,9 @@ void LtrMapDisplay::tell() {
                  known.empty() ? "None has come on '" + grid_topic_->getTopicStd() + "'"
                                : "There is no layer '" + chosen + "'; there are: " + known);
   }
+}
+
+void LtrMapDisplay::tellDoors() {
   if (!door_frame_.empty() && feed_.hasMap() && door_frame_ != feed_.frame()) {
     setStatusStd(Level::Error, "Doors",
                  "Doors are in the frame '" + door_frame_ + "', landmarks in '" + feed_.frame() +

@@ -66,6 +66,9 @@ class LtrMapDisplay : public MapDisplay {
   void drawLines();
   void drawDoors();
   void tell();
+  void tellTriangles();
+  void tellLayer();
+  void tellDoors();
   void tellRate(float wall_dt);
 
   rviz::RosTopicProperty *ltr_topic_, *grid_topic_, *map_topic_, *update_topic_, *door_topic_;
