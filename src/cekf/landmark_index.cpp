@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hymm::core {
 
@@ -32,13 +33,24 @@ void LandmarkIndex::clear() {
 
 std::vector<int> LandmarkIndex::near(const Eigen::Vector2d& centre, double radius_m) const {
   std::vector<int> slots;
-  const std::int32_t x0 = cellOf(centre.x() - radius_m), x1 = cellOf(centre.x() + radius_m);
-  const std::int32_t y0 = cellOf(centre.y() - radius_m), y1 = cellOf(centre.y() + radius_m);
-  for (std::int32_t x = x0; x <= x1; ++x) {
-    for (std::int32_t y = y0; y <= y1; ++y) {
-      const auto cell = cells_.find(keyOf(x, y));
-      if (cell != cells_.end()) {
-        slots.insert(slots.end(), cell->second.begin(), cell->second.end());
+  const auto take = [&](const std::vector<int>& cell) {
+    slots.insert(slots.end(), cell.begin(), cell.end());
+  };
+  const std::int64_t x0 = cellOf(centre.x() - radius_m), x1 = cellOf(centre.x() + radius_m);
+  const std::int64_t y0 = cellOf(centre.y() - radius_m), y1 = cellOf(centre.y() + radius_m);
+  const double cells = static_cast<double>(x1 - x0 + 1) * static_cast<double>(y1 - y0 + 1);
+  // A vehicle that has been lost for long looks for landmarks in more cells than there are.
+  if (cells > static_cast<double>(cells_.size())) {
+    for (const auto& [key, cell] : cells_) {
+      const std::int64_t x = key >> 32U, y = static_cast<std::int32_t>(key & 0xffffffff);
+      if (x >= x0 && x <= x1 && y >= y0 && y <= y1) take(cell);
+    }
+  } else {
+    for (std::int64_t x = x0; x <= x1; ++x) {
+      for (std::int64_t y = y0; y <= y1; ++y) {
+        const auto cell =
+            cells_.find(keyOf(static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)));
+        if (cell != cells_.end()) take(cell->second);
       }
     }
   }
@@ -47,7 +59,9 @@ std::vector<int> LandmarkIndex::near(const Eigen::Vector2d& centre, double radiu
 }
 
 std::int32_t LandmarkIndex::cellOf(double coordinate) {
-  return static_cast<std::int32_t>(std::floor(coordinate / kCell_m));
+  constexpr double kFarthest = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(
+      std::clamp(std::floor(coordinate / kCell_m), -kFarthest, kFarthest));
 }
 
 LandmarkIndex::Key LandmarkIndex::keyOf(std::int32_t x, std::int32_t y) {

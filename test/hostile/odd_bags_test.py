@@ -1,0 +1,184 @@
+#!/usr/bin/python3
+"""Bags as they should not be, and as they come all the same: hymm_offline ends with results or with a
+sentence, and never by a signal."""
+import copy
+import json
+import math
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import rosbag
+import rospy
+from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
+
+ROOT = Path(__file__).resolve().parents[2]
+TOOLS = Path(os.environ["HYMM_BUILD_DIR"]) / "devel/lib/hymm"
+DURATION_S = 30
+
+
+class OddBags(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = Path(cls.folder.name)
+        subprocess.run([TOOLS / "simulate_world", "--world", "car_park", "--duration", str(DURATION_S),
+                        "--output", cls.path / "drive.bag"], check=True, stdout=subprocess.DEVNULL)
+        with rosbag.Bag(str(cls.path / "drive.bag")) as bag:
+            cls.drive = [(topic, message, time) for topic, message, time in bag
+                         if not topic.startswith("/truth")]
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def run_on(self, messages):
+        """Exit code, what was said, and the summary or None."""
+        path = self.path / "odd.bag"
+        with rosbag.Bag(str(path), "w") as bag:
+            for topic, message, time in messages:
+                bag.write(topic, message, time)
+        output = self.path / "out"
+        (output / "summary.json").unlink(missing_ok=True)
+        done = subprocess.run([TOOLS / "hymm_offline", "--bag", path, "--config",
+                               ROOT / "config/datasets/car_park.yaml", "--output", output],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=100)
+        summary = output / "summary.json"
+        self.assertIn(done.returncode, (0, 1), done.stdout)
+        return done.returncode, done.stdout, json.loads(summary.read_text()) if summary.exists() else None
+
+    def stamped(self, change):
+        """The drive with `change(index, topic, stamp in s)` as stamps of headers; None leaves one out."""
+        messages = []
+        for index, (topic, message, time) in enumerate(self.drive):
+            if hasattr(message, "header"):
+                message = copy.deepcopy(message)
+                stamp = change(index, topic, message.header.stamp.to_sec())
+                if stamp is None:
+                    continue
+                message.header.stamp = rospy.Time.from_sec(stamp)
+            messages.append((topic, message, time))
+        return messages
+
+    def expect_results(self, messages):
+        code, said, summary = self.run_on(messages)
+        self.assertEqual(code, 0, said)
+        self.assertIsNotNone(summary)
+        with open(self.path / "out/trajectory.tum") as file:
+            for line in file:
+                self.assertTrue(all(math.isfinite(float(word)) for word in line.split()), line)
+        return summary, said
+
+    def expect_refusal(self, messages, *words):
+        code, said, summary = self.run_on(messages)
+        self.assertEqual(code, 1, said)
+        self.assertIsNone(summary)
+        for word in words:
+            self.assertIn(word, said)
+
+    def test_as_it_should_be(self):
+        summary, _ = self.expect_results(self.drive)
+        self.assertGreater(summary["landmarks"], 10)
+
+    def test_clock_that_runs_back_once_begins_a_new_map(self):
+        half = len(self.drive) // 2
+        summary, _ = self.expect_results(self.stamped(
+            lambda index, topic, s: s if index < half else s - 12.0))
+        self.assertEqual(summary["resets"], 1)
+
+    def test_every_message_twice(self):
+        once, _ = self.expect_results(self.drive)
+        twice, _ = self.expect_results([message for message in self.drive for _ in range(2)])
+        self.assertLessEqual(abs(twice["landmarks"] - once["landmarks"]), 3)
+        self.assertEqual(twice["resets"], 0)
+
+    def test_stamps_that_are_all_zero(self):
+        self.expect_refusal(self.stamped(lambda index, topic, s: 0.0), "stamp")
+
+    def test_one_stamp_in_ten_zero(self):
+        summary, _ = self.expect_results(self.stamped(
+            lambda index, topic, s: 0.0 if index % 10 == 0 else s))
+        self.assertEqual(summary["resets"], 0)
+        self.assertGreater(summary["landmarks"], 10)
+
+    def test_stamps_that_are_all_the_same(self):
+        code, said, _ = self.run_on(self.stamped(lambda index, topic, s: 5.0))
+        if code == 1:
+            self.assertIn("time", said)
+
+    def test_stamps_at_the_end_of_time(self):
+        self.run_on(self.stamped(lambda index, topic, s: s + 4294967295.0 - 35.0))
+
+    def test_stamps_of_scans_an_hour_ahead(self):
+        code, said, _ = self.run_on(self.stamped(
+            lambda index, topic, s: s + 3600.0 if topic.strip("/") == "scan" else s))
+        self.assertTrue(said.strip() or code == 0)
+
+    def test_stamps_in_random_order_within_half_a_second(self):
+        import random
+        draw = random.Random(1)
+        summary, _ = self.expect_results(sorted(
+            self.drive, key=lambda entry: entry[2].to_sec() + draw.uniform(0.0, 0.5)))
+        self.assertGreater(summary["landmarks"], 5)
+
+    def test_two_vehicles_on_one_topic(self):
+        others = []
+        for topic, message, time in self.drive:
+            message = copy.deepcopy(message)
+            if hasattr(message, "header") and topic.strip("/") == "scan":
+                message.header.frame_id = "other/laser"
+                others.append((topic, message, time + rospy.Duration(0.001)))
+        summary, said = self.expect_results(sorted(self.drive + others, key=lambda entry: entry[2].to_sec()))
+        self.assertIn("other/laser", said)
+        self.assertGreater(summary["landmarks"], 10)
+
+    def test_transforms_in_a_circle(self):
+        circle = TFMessage([TransformStamped(), TransformStamped()])
+        for transform, parent, child in zip(circle.transforms, ("base_link", "laser"), ("laser", "base_link")):
+            transform.header.frame_id, transform.child_frame_id = parent, child
+            transform.header.stamp = rospy.Time(1)
+            transform.transform.rotation.w = 1.0
+        self.run_on([entry for entry in self.drive if "tf" not in entry[0]] +
+                    [("/tf_static", circle, self.drive[0][2])])
+
+    def test_gps_alone(self):
+        self.expect_refusal([entry for entry in self.drive if "gps" in entry[0]], "scan", "gps/fix")
+
+    def test_scans_alone(self):
+        self.expect_refusal([entry for entry in self.drive if entry[0].strip("/") == "scan"], "dead_reckoning")
+
+    def test_one_scan(self):
+        first = next(i for i, entry in enumerate(self.drive) if entry[0].strip("/") == "scan")
+        self.run_on(self.drive[:first + 1])
+
+    def test_scans_without_a_beam(self):
+        def emptied(message):
+            message = copy.deepcopy(message)
+            message.ranges, message.intensities = [], []
+            return message
+        self.run_on([(topic, emptied(m) if topic.strip("/") == "scan" else m, time)
+                     for topic, m, time in self.drive])
+
+    def test_scans_that_change_their_size(self):
+        def cut(message, index):
+            message = copy.deepcopy(message)
+            message.ranges = message.ranges[:index % 300]
+            return message
+        self.run_on([(topic, cut(m, i) if topic.strip("/") == "scan" else m, time)
+                     for i, (topic, m, time) in enumerate(self.drive)])
+
+    def test_scans_of_numbers_that_are_none(self):
+        def spoiled(message):
+            message = copy.deepcopy(message)
+            message.ranges = [math.nan] * len(message.ranges)
+            return message
+        summary, _ = self.expect_results([(topic, spoiled(m) if topic.strip("/") == "scan" else m, time)
+                                          for topic, m, time in self.drive])
+        self.assertEqual(summary["landmarks"], 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
