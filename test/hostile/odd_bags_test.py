@@ -113,9 +113,9 @@ class OddBags(unittest.TestCase):
         self.run_on(self.stamped(lambda index, topic, s: s + 4294967295.0 - 35.0))
 
     def test_stamps_of_scans_an_hour_ahead(self):
-        code, said, _ = self.run_on(self.stamped(
+        # What matters is that it ends: the filter looks for landmarks within an hour's drive.
+        self.expect_results(self.stamped(
             lambda index, topic, s: s + 3600.0 if topic.strip("/") == "scan" else s))
-        self.assertTrue(said.strip() or code == 0)
 
     def test_stamps_in_random_order_within_half_a_second(self):
         import random
