@@ -32,6 +32,21 @@ void addScans(const NamedTable& table, AcfrBuilder& builder) {
   }
 }
 
+void addFixes(const FileSource& source, AcfrBuilder& builder) {
+  const NamedTable gps = readTable(source, "GPS.txt", 3, RowEnd::kLine);  // north, east
+  for (std::size_t i = 0; i < gps.numbers.rows(); ++i) {
+    builder.addFix(gps.numbers.at(i, 0), gps.numbers.at(i, 2), gps.numbers.at(i, 1), gps.origin);
+  }
+}
+
+void addOrder(const FileSource& source, AcfrBuilder& builder) {
+  const NamedTable order = readTable(source, "Sensors_manager.txt", 3, RowEnd::kLine);
+  for (std::size_t i = 0; i < order.numbers.rows(); ++i) {
+    builder.addEvent(order.numbers.at(i, 0), order.numbers.at(i, 1), order.numbers.at(i, 2),
+                     order.origin);
+  }
+}
+
 }  // namespace
 
 AcfrRecording readAcfrAscii(const FileSource& source) {
@@ -39,8 +54,6 @@ AcfrRecording readAcfrAscii(const FileSource& source) {
   const NamedTable laser =
       readTable(source, kAcfrAsciiLaserFile, 1 + AcfrBuilder::kBeams, RowEnd::kLastNumber);
   const NamedTable motion = readTable(source, "DRS.txt", 3, RowEnd::kLine);  // speed, steering
-  const NamedTable gps = readTable(source, "GPS.txt", 3, RowEnd::kLine);     // north, east
-  const NamedTable order = readTable(source, "Sensors_manager.txt", 3, RowEnd::kLine);
 
   AcfrBuilder builder("Victoria Park, ASCII");
   builder.reserve(laser.numbers.rows(), motion.numbers.rows());
@@ -49,12 +62,11 @@ AcfrRecording readAcfrAscii(const FileSource& source) {
     builder.addMotion(motion.numbers.at(i, 0), motion.numbers.at(i, 1), motion.numbers.at(i, 2),
                       motion.origin);
   }
-  for (std::size_t i = 0; i < gps.numbers.rows(); ++i) {
-    builder.addFix(gps.numbers.at(i, 0), gps.numbers.at(i, 2), gps.numbers.at(i, 1), gps.origin);
-  }
-  for (std::size_t i = 0; i < order.numbers.rows(); ++i) {
-    builder.addEvent(order.numbers.at(i, 0), order.numbers.at(i, 1), order.numbers.at(i, 2),
-                     order.origin);
+  if (source.contains("GPS.txt")) addFixes(source, builder);
+  if (source.contains("Sensors_manager.txt")) {
+    addOrder(source, builder);
+  } else {
+    builder.orderByTime();
   }
   return builder.finish();
 }

@@ -49,9 +49,11 @@ class MrclamReader {
 
   LandmarkRecording read() {
     readBarcodes();
-    readLandmarks();
-    readTruth();
-    mergeEvents(readMotion(), readObservations());
+    // The truth is for judging, not for running.
+    if (source_.contains("Landmark_Groundtruth.dat")) readLandmarks();
+    if (source_.contains(robot_ + "_Groundtruth.dat")) readTruth();
+    const std::vector<TwistInput> motion = readMotion();
+    mergeEvents(motion, readObservations());
     count("observations of other robots, skipped", of_robots_);
     count("observations of unknown barcodes, skipped", unknown_barcodes_);
     count("observations whose range is not positive, skipped", not_positive_);

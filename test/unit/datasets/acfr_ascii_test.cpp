@@ -147,6 +147,17 @@ TEST_F(AcfrAscii, NamesFileThatIsMissingOrEmpty) {
   expectRefusal("DRS.txt holds no rows");
 }
 
+TEST_F(AcfrAscii, MayComeWithoutGpsAndWithoutAnOrderOfEvents) {
+  std::filesystem::remove(folder_.path() / "GPS.txt");
+  std::filesystem::remove(folder_.path() / "Sensors_manager.txt");
+  const AcfrRecording recording = read();
+  EXPECT_TRUE(recording.fixes.empty());
+  ASSERT_EQ(recording.events.size(), recording.scans.size() + recording.motion.size());
+  for (std::size_t i = 1; i < recording.events.size(); ++i) {
+    EXPECT_LE(recording.timeOf(recording.events[i - 1]), recording.timeOf(recording.events[i]));
+  }
+}
+
 TEST(ReadAcfr, RefusesWhatIsNoRecording) {
   const test::TemporaryFolder folder;
   EXPECT_THAT([&] { readAcfr({folder.path()}); },

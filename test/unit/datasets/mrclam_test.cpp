@@ -74,9 +74,18 @@ TEST_F(Mrclam, ReadsTruth) {
   EXPECT_EQ(recording.truth_landmarks[0].deviation, Eigen::Vector2d(0.01, 0.02));
 }
 
+TEST_F(Mrclam, MayComeWithoutTruth) {
+  std::filesystem::remove(folder_.path() / "Landmark_Groundtruth.dat");
+  std::filesystem::remove(folder_.path() / "Robot3_Groundtruth.dat");
+  const LandmarkRecording recording = read();
+  EXPECT_TRUE(recording.truth_poses.empty());
+  EXPECT_TRUE(recording.truth_landmarks.empty());
+  EXPECT_FALSE(recording.events.empty());
+}
+
 TEST_F(Mrclam, NamesRobotThatIsNotThere) {
   EXPECT_THAT([&] { readMrclam(folder_.path(), 4); },
-              ThrowsMessage<InputError>(HasSubstr("holds no file Robot4_Groundtruth.dat")));
+              ThrowsMessage<InputError>(HasSubstr("holds no file Robot4_Odometry.dat")));
 }
 
 TEST_F(Mrclam, NamesLineOfWhatIsNotANumber) {
