@@ -42,6 +42,7 @@ class OccupancyModel : public CellModel {
     value.value = probabilityOf(static_cast<double>(cell[0]));
     return value;
   }
+  bool isOfOnePlace(const float* cell) const override { return cell[0] > 0.0F; }
   double evidence(const float* cell) const override { return static_cast<double>(cell[0]); }
 };
 

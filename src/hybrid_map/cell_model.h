@@ -52,6 +52,10 @@ class CellModel {
   /// Leaves `share` of a cell's evidence in it.
   virtual void keep(float share, float* cell) const;
 
+  /// Whether the evidence is of some one place in the cell (an obstacle) and not of all of it (free
+  /// space). Were that divided between cells, free space around would outweigh each part of it.
+  virtual bool isOfOnePlace(const float* /*cell*/) const { return false; }
+
   /// Amount of evidence, which merge() and keep() divide in the same proportion: a cell from which
   /// a share moved into another, and this other, together have as much as before.
   virtual double evidence(const float* cell) const = 0;

@@ -30,7 +30,7 @@ class HybridMap::Impl {
         partition_(config.partition),
         writer_(config, layers_),
         scan_writer_(config.occupancy, partition_),
-        traffic_(config.traffic, layers_, ignored_problems_) {}
+        traffic_(config.traffic, layers_, config.resolution_m, ignored_problems_) {}
 
   MapOutcome apply(const LandmarkMap& map) {
     ++counts_.landmark_maps;
@@ -243,7 +243,7 @@ class HybridMap::Impl {
       }
     };
     counts_.moving_objects += traffic_.look(
-        posed.scan, posed.T_map_laser, config_.occupancy.range_m, config_.resolution_m,
+        posed.scan, posed.T_map_laser, config_.occupancy.range_m,
         [this](const Eigen::Vector2d& place) { return occupancyLogOdds(place); }, take);
   }
 

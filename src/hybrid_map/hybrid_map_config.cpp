@@ -77,7 +77,7 @@ std::vector<std::string> HybridMapConfig::problems() const {
   copy.describe(schema);
   std::vector<std::string> problems = rangeProblems(schema);
   const LayerSet set(layers, day_parts, problems);
-  TrafficCounter(traffic, set, problems);
+  TrafficCounter(traffic, set, resolution_m, problems);
   if (partition.min_side_m > partition.max_side_m) {
     problems.emplace_back("partition.min_side_m: is greater than partition.max_side_m.");
   }

@@ -37,9 +37,10 @@ void visitCells(const LtrCells& cells, const LayerSet& layers, Visitor&& visitor
           return Triangle::Local((i + part.x()) / cells.grid.alphaCells(),
                                  (j + part.y()) / cells.grid.betaCells());
         };
+        const std::size_t whole = partsOf(layers.model(layer), cell);
         std::size_t count = 0;
-        for (const Eigen::Vector2d& part : kCellParts) {
-          parts[count] = localOf(part);
+        for (std::size_t part = 0; part < kCellParts.size() && count < whole; ++part) {
+          parts[count] = localOf(kCellParts[part]);
           if (Triangle::containsLocal(parts[count])) ++count;
         }
         // Of a cell that the triangle hardly touches, its corner lies inside.

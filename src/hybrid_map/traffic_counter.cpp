@@ -2,10 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "hybrid_map/log_odds.h"
 
 namespace hymm::core {
+namespace {
+
+// A walker of 0.5 m/s has left a cell and those around, and beams have passed it since; what still
+// stands there then has come to stay.
+constexpr double kEntered_s = 2.0;
+
+// What is met in a cell more often than that, or beside more often than that, stands.
+constexpr int kMostHits = 1, kMostHitsBeside = 4;
+
+}  // namespace
 
 void TrafficConfig::describe(ConfigSchema& schema) {
   schema.text("layer", layer,
@@ -23,8 +34,10 @@ void TrafficConfig::describe(ConfigSchema& schema) {
 }
 
 TrafficCounter::TrafficCounter(const TrafficConfig& config, const LayerSet& layers,
-                               std::vector<std::string>& problems)
-    : config_(config), free_log_odds_(static_cast<float>(logOddsOf(config.free_probability))) {
+                               double resolution_m, std::vector<std::string>& problems)
+    : config_(config),
+      cell_m_(resolution_m),
+      free_log_odds_(static_cast<float>(logOddsOf(config.free_probability))) {
   if (config.layer.empty()) return;
   const int layer = layers.find(config.layer);
   if (layer < 0) {
@@ -46,22 +59,54 @@ TrafficCounter::Square TrafficCounter::squareOf(const Eigen::Vector2d& place) co
   return {static_cast<int>(square.x()), static_cast<int>(square.y())};
 }
 
+TrafficCounter::Cell TrafficCounter::cellOf(const Eigen::Vector2d& place) const {
+  const Eigen::Array2d cell = (place / cell_m_).array().floor();
+  return {static_cast<int>(cell.x()), static_cast<int>(cell.y())};
+}
+
+/// In cells there and beside: the map's cells lie otherwise.
+int TrafficCounter::hitsSinceEntered(const Eigen::Vector2d& place) const {
+  int hits = 0;
+  if (entered_.empty()) return hits;
+  const Cell cell = cellOf(place);
+  for (const int x : {-1, 0, 1}) {
+    for (const int y : {-1, 0, 1}) {
+      const auto entered = entered_.find({cell.first + x, cell.second + y});
+      if (entered != entered_.end()) hits = std::max(hits, entered->second.hits);
+    }
+  }
+  return hits;
+}
+
+bool TrafficCounter::wasFree(const Eigen::Vector2d& place, int most_hits) const {
+  const int hits = hitsSinceEntered(place);
+  return hits > 0 && hits <= most_hits;
+}
+
+void TrafficCounter::forgetEntered(double time_s) {
+  for (auto cell = entered_.begin(); cell != entered_.end();) {
+    const bool is_over =
+        time_s < cell->second.since_s || time_s > cell->second.since_s + kEntered_s;
+    cell = is_over ? entered_.erase(cell) : std::next(cell);
+  }
+}
+
 /// A hit beside something that stands, or beside the unknown behind it, is most likely that: the
 /// hit's cell may be off by one, and the map's as well.
-bool TrafficCounter::isCertainlyFree(const Eigen::Vector2d& place, double resolution_m,
+bool TrafficCounter::isCertainlyFree(const Eigen::Vector2d& place,
                                      const Occupancy& occupancy) const {
-  if (!(occupancy(place) < free_log_odds_)) return false;
+  if (!(occupancy(place) < free_log_odds_) && !wasFree(place, kMostHits)) return false;
   for (const double x : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
     for (const double y : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
-      if (occupancy(place + resolution_m * Eigen::Vector2d(x, y)) >= 0.0F) return false;
+      const Eigen::Vector2d beside = place + cell_m_ * Eigen::Vector2d(x, y);
+      if (occupancy(beside) >= 0.0F && !wasFree(beside, kMostHitsBeside)) return false;
     }
   }
   return true;
 }
 
 std::size_t TrafficCounter::look(const LaserScan& scan, const Pose2& T_map_laser, double range_m,
-                                 double resolution_m, const Occupancy& occupancy,
-                                 const Taker& take) {
+                                 const Occupancy& occupancy, const Taker& take) {
   std::size_t moved = 0;
   const bool runs_back = period_start_s_ && scan.time_s < *period_start_s_;
   if (!period_start_s_ || runs_back || scan.time_s >= *period_start_s_ + config_.period_s) {
@@ -70,6 +115,7 @@ std::size_t TrafficCounter::look(const LaserScan& scan, const Pose2& T_map_laser
     period_start_s_ = scan.time_s;
     watch(scan, T_map_laser, range_m);
   }
+  forgetEntered(scan.time_s);
   std::vector<Eigen::Vector2d> run;  // ends of beams side by side that met something that moves
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
@@ -77,17 +123,20 @@ std::size_t TrafficCounter::look(const LaserScan& scan, const Pose2& T_map_laser
     const double bearing = scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
     const Eigen::Vector2d end = T_map_laser * ((is_hit ? range : 0.0) * along);
-    const bool moves = is_hit && isCertainlyFree(end, resolution_m, occupancy);
+    const bool moves = is_hit && isCertainlyFree(end, occupancy);
     const bool continues = !run.empty() && (end - run.back()).norm() <= config_.square_m;
-    if (!moves || !continues) finishRun(run);
+    if (!moves || !continues) finishRun(run, scan.time_s);
     if (moves) run.push_back(end);
   }
-  finishRun(run);
+  finishRun(run, scan.time_s);
   return moved;
 }
 
 /// What is slimmer than an object of interest is more likely a post that no beam met before.
-void TrafficCounter::finishRun(std::vector<Eigen::Vector2d>& run) {
+void TrafficCounter::finishRun(std::vector<Eigen::Vector2d>& run, double time_s) {
+  for (const Eigen::Vector2d& end : run) {
+    ++entered_.try_emplace(cellOf(end), Entered{time_s, 0}).first->second.hits;
+  }
   if (!run.empty() && (run.back() - run.front()).norm() >= config_.min_width_m) {
     for (const Eigen::Vector2d& end : run) squares_[squareOf(end)] = true;
   }

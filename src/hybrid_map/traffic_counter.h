@@ -30,12 +30,13 @@ struct TrafficConfig {
 
 /// Finds moving objects that the occupancy itself reveals, and counts them for a rate layer: beams
 /// side by side, over at least `min_width_m`, that end where the map was certain that nothing
-/// stands, all being free two cells around. Places are squares of `square_m`; what is there counts
-/// once a period, as does the time for which a square was watched.
+/// stands, all being free two cells around. What was free a moment ago and was hardly met since
+/// counts as free: objects that move occupy cells on their way. Places are squares of `square_m`;
+/// what is there counts once a period, as does the time for which a square was watched.
 class TrafficCounter {
  public:
   /// A sentence in `problems` if the layer is not there, or takes no such samples.
-  TrafficCounter(const TrafficConfig& config, const LayerSet& layers,
+  TrafficCounter(const TrafficConfig& config, const LayerSet& layers, double resolution_m,
                  std::vector<std::string>& problems);
 
   bool isOn() const { return layer_ >= 0; }
@@ -49,7 +50,7 @@ class TrafficCounter {
   /// Looks at a scan before it is written. At the end of a period, hands out what was counted.
   /// Returns the number of squares in which something moved, if it is the end of one.
   std::size_t look(const LaserScan& scan, const Pose2& T_map_laser, double range_m,
-                   double resolution_m, const Occupancy& occupancy, const Taker& take);
+                   const Occupancy& occupancy, const Taker& take);
 
   double square_m() const { return config_.square_m; }
 
@@ -60,19 +61,30 @@ class TrafficCounter {
 
  private:
   using Square = std::pair<int, int>;
+  using Cell = std::pair<int, int>;
+  /// A free cell in which something was met: since when, and how often.
+  struct Entered {
+    double since_s;
+    int hits;
+  };
 
-  void finishRun(std::vector<Eigen::Vector2d>& run);
+  void finishRun(std::vector<Eigen::Vector2d>& run, double time_s);
   Square squareOf(const Eigen::Vector2d& place) const;
-  bool isCertainlyFree(const Eigen::Vector2d& place, double resolution_m,
-                       const Occupancy& occupancy) const;
+  Cell cellOf(const Eigen::Vector2d& place) const;
+  bool isCertainlyFree(const Eigen::Vector2d& place, const Occupancy& occupancy) const;
+  int hitsSinceEntered(const Eigen::Vector2d& place) const;
+  bool wasFree(const Eigen::Vector2d& place, int most_hits) const;
+  void forgetEntered(double time_s);
   void watch(const LaserScan& scan, const Pose2& T_map_laser, double range_m);
   std::size_t handOut(double time_s, const Taker& take);
 
   TrafficConfig config_;
+  double cell_m_;
   int layer_ = -1;
   float free_log_odds_;
   std::map<Square, bool> squares_;  ///< watched in this period; whether something moved there
   std::optional<double> period_start_s_;
+  std::map<Cell, Entered> entered_;
 };
 
 }  // namespace hymm::core

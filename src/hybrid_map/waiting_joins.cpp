@@ -131,30 +131,33 @@ class WaitingTiles::CellMove {
       if (!hasEvidence(cell, channels)) continue;
       const Eigen::Vector2d corner(place.first * kTileCells + index % kTileCells,
                                    place.second * kTileCells + index / kTileCells);
-      const int moved =
-          isBeyondSeam(corner + Eigen::Vector2d(0.5, 0.5)) ? moveCell(corner, layer, cell) : 0;
-      const int left = static_cast<int>(kCellParts.size()) - moved;
-      if (moved > 0) layers_.model(layer).keep(static_cast<float>(left) * kCellPartShare, cell);
+      const std::size_t parts = partsOf(layers_.model(layer), cell);
+      const std::size_t moved = isBeyondSeam(corner + Eigen::Vector2d(0.5, 0.5))
+                                    ? moveCell(corner, layer, cell, parts)
+                                    : 0;
+      const float left = static_cast<float>(parts - moved) / static_cast<float>(parts);
+      if (moved > 0) layers_.model(layer).keep(left, cell);
       has_moved = has_moved || moved > 0;
-      is_empty = is_empty && left == 0;
+      is_empty = is_empty && moved == parts;
     }
     if (has_moved) tile.write(layers_, layer, revision_);
     return is_empty;
   }
 
-  /// Returns how many parts of the cell found a tile.
-  int moveCell(const Eigen::Vector2d& corner, int layer, const float* cell) {
+  /// Returns how many of the first `parts` of the cell found a tile.
+  std::size_t moveCell(const Eigen::Vector2d& corner, int layer, const float* cell,
+                       std::size_t parts) {
     const Eigen::Vector2d other = toOther(corner);
-    int moved = 0;
-    for (const Eigen::Vector2d& part : parts_) {
-      const Eigen::Vector2d at = other + part;
+    std::size_t moved = 0;
+    for (std::size_t part = 0; part < parts; ++part) {
+      const Eigen::Vector2d at = other + parts_[part];
       const int i = static_cast<int>(std::floor(at.x())), j = static_cast<int>(std::floor(at.y()));
       const int in_i = i & (kTileCells - 1), in_j = j & (kTileCells - 1);
       CellStore* tile = tileAt({(i - in_i) / kTileCells, (j - in_j) / kTileCells});
       if (tile == nullptr) continue;
       float* target = tile->write(layers_, layer, revision_) +
                       std::ptrdiff_t{in_j * kTileCells + in_i} * layers_.channels(layer);
-      layers_.model(layer).merge(cell, kCellPartShare, target);
+      layers_.model(layer).merge(cell, 1.0F / static_cast<float>(parts), target);
       ++moved;
     }
     return moved;

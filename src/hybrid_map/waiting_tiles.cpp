@@ -192,11 +192,13 @@ bool WaitingTiles::settleCell(const Sheet& sheet, const Eigen::Vector2d& corner,
   };
   const Eigen::Vector2d middle = placeOf({0.5, 0.5});
   if (boxesAt(middle, resolution_m_ * M_SQRT1_2, boxes).empty()) return false;
-  int left = static_cast<int>(kCellParts.size());
-  for (const Eigen::Vector2d& part : kCellParts) {
-    if (take(layer, placeOf(part), cell, kCellPartShare)) --left;
+  const std::size_t parts = partsOf(layers_.model(layer), cell);
+  const float share = 1.0F / static_cast<float>(parts);
+  std::size_t left = parts;
+  for (std::size_t i = 0; i < parts; ++i) {
+    if (take(layer, placeOf(kCellParts[i]), cell, share)) --left;
   }
-  layers_.model(layer).keep(static_cast<float>(left) * kCellPartShare, cell);
+  layers_.model(layer).keep(static_cast<float>(left) * share, cell);
   return left == 0;
 }
 

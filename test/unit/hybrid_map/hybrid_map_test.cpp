@@ -22,6 +22,9 @@ using testing::HasSubstr;
 
 constexpr const char* kLayers = "salinity gaussian; terrain category grass asphalt";
 
+/// What one beam says of the cell in which it ends.
+const double kHit = OccupancyConfig().hit_probability;
+
 HybridMapConfig withLayers() {
   HybridMapConfig config;
   config.layers = kLayers;
@@ -67,7 +70,7 @@ HybridMap mapOver(const LandmarkMap& landmarks, const HybridMapConfig& config = 
 TEST(HybridMap, WritesFreeSpaceAlongABeamAndAnObstacleAtItsEnd) {
   HybridMap map = mapOver(squareMap());
   ASSERT_TRUE(map.insert(beam({-5.0, 0.05, 0.0}, 9.1)).accepted);
-  EXPECT_NEAR(probabilityAt(map, {4.1, 0.05}), 0.7, 1e-6);
+  EXPECT_NEAR(probabilityAt(map, {4.1, 0.05}), kHit, 1e-6);
   for (double x = -4.9; x < 3.7; x += 0.1) {
     EXPECT_NEAR(probabilityAt(map, {x, 0.05}), 0.4, 1e-6) << x;
   }
@@ -92,12 +95,14 @@ TEST(HybridMap, AnObstacleIsNotFreedByBeamsOfTheSameScanThatGrazeIt) {
     const Eigen::Vector2d end =
         Eigen::Vector2d(-8.0, 1.5) +
         double{posed.scan.ranges_m[i]} * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
-    EXPECT_GE(probabilityAt(map, end), 0.7 - 1e-6) << end.transpose();
+    EXPECT_GE(probabilityAt(map, end), kHit - 1e-6) << end.transpose();
   }
 }
 
 TEST(HybridMap, LearnsByEquationOneUpToItsBound) {
-  HybridMap map = mapOver(squareMap());
+  HybridMapConfig config = withLayers();
+  config.occupancy.hit_probability = 0.7;
+  HybridMap map = mapOver(squareMap(), config);
   const Eigen::Vector2d wall(4.1, 0.05);
   for (int i = 1; i <= 10; ++i) {
     map.insert(beam({-5.0, 0.05, 0.0}, 9.1));
@@ -125,7 +130,7 @@ TEST(HybridMap, WhatWasWrittenFollowsItsLandmarks) {
   landmarks.version = 2;
   ASSERT_TRUE(map.apply(landmarks).change.retired.empty());
   EXPECT_EQ(map.query("occupancy", {4.0, 0.05}).status, Status::kOutside);
-  EXPECT_NEAR(probabilityAt(map, correction * Eigen::Vector2d(4.1, 0.05)), 0.7, 1e-6);
+  EXPECT_NEAR(probabilityAt(map, correction * Eigen::Vector2d(4.1, 0.05)), kHit, 1e-6);
   const LayerQuery answer = map.query("salinity", correction * Eigen::Vector2d(2.0, 3.0));
   ASSERT_EQ(answer.status, Status::kKnown);
   EXPECT_NEAR(answer.value->value, 35.0, 1e-5);
@@ -149,6 +154,33 @@ TEST(HybridMap, KeepsWhatLiesOutsideUntilAnLtrCoversIt) {
   const LayerQuery answer = map.query("salinity", place);
   ASSERT_EQ(answer.status, Status::kKnown);
   EXPECT_NEAR(answer.value->value, 20.0, 1e-5);
+}
+
+TEST(HybridMap, APostInFreeSpaceStaysOccupiedWhereverItFallsInTheCellsItMovesTo) {
+  LandmarkMap all = squareMap();
+  all.version = 2;
+  LandmarkMap three = squareMap();
+  three.landmarks.resize(3);
+  correlate(three);
+  for (double along = 0.0; along < 0.4; along += 0.03) {
+    const Eigen::Vector2d post(-6.0 + along, 6.0 + 0.7 * along);
+    HybridMap map = mapOver(three);
+    for (int scan = 0; scan < 20; ++scan) {
+      for (double y = -1.0; y <= 1.0; y += 0.1) {
+        const bool meets = std::abs(y) < 0.02;
+        map.insert(beam({post.x() - 2.0, post.y() + y, 0.0}, meets ? 2.0 : 3.5));
+      }
+    }
+    ASSERT_EQ(map.apply(all).change.created.size(), 1U);
+    double most = 0.0;
+    for (double x = -0.15; x <= 0.15; x += 0.05) {
+      for (double y = -0.15; y <= 0.15; y += 0.05) {
+        most = std::max(most, probabilityAt(map, post + Eigen::Vector2d(x, y)));
+      }
+    }
+    EXPECT_GT(most, 0.65) << along;
+    EXPECT_LT(probabilityAt(map, post + Eigen::Vector2d(-0.5, 0.0)), 0.35) << along;
+  }
 }
 
 TEST(HybridMap, WhatWaitsFollowsTheTwoLandmarksThatItIsAnchoredTo) {
