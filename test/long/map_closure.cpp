@@ -17,6 +17,7 @@
 #include "cekf/map_schedule.h"
 #include "hybrid_map/map_export.h"
 #include "hybrid_map/map_image.h"
+#include "ltr_placement.h"
 #include "pipeline/grid_files.h"
 #include "pipeline/grid_mapper.h"
 #include "pipeline/suite_config.h"
@@ -144,6 +145,10 @@ class Drive {
     exportPgm(flat_.image(), folder / (prefix + "_flat"));
   }
 
+  void reportPlacement() {
+    std::cout << placement_.text("placed", filter_.landmarkMap(0.0), simulation_.landmarks());
+  }
+
   void writeMemory() const { std::cerr << memory_.text(); }
 
  private:
@@ -181,6 +186,10 @@ class Drive {
       const PosedScan posed = mapper_.posed(scan.scan, outcome.pose);
       flat_.insert(posed.scan, posed.T_map_laser);
       noteSeen(scan, T_map_base_true * scan.T_base_laser);
+      if (placement_due_.takeIfDue(time_s_)) {
+        placement_.look(mapper_.map(), filter_, outcome.pose.T_map_base, T_map_base_true,
+                        options_.config.hymm_grid.map.occupancy.range_m);
+      }
     }
     if (memory_due_.takeIfDue(time_s_)) memory_.add(memoryOf(mapper_.map(), time_s_));
     if (simulation_.progress() * options_.laps > 0.7 && !sampled_) {
@@ -257,6 +266,8 @@ class Drive {
   benchmarks::FlatGrid flat_;
   MapMemoryLog memory_;
   StampSchedule memory_due_{kMemoryLogPeriod_s};
+  LtrPlacement placement_;
+  StampSchedule placement_due_{1.0};
   std::size_t corrections_ = 0;
   double time_s_ = 0.0, correction_m_ = 0.0, position_error_m_ = 0.0, sample_error_m_ = 0.0;
   std::optional<Eigen::Vector2d> sampled_;  ///< its true place
@@ -292,6 +303,7 @@ void run(const Options& options) {
     if (drive.progress() * options.laps >= laps + 1) drive.report("lap_" + std::to_string(++laps));
   }
   drive.report("end");
+  drive.reportPlacement();
   drive.writeMemory();
 }
 
