@@ -138,7 +138,7 @@ void CompressedEkf::initialiseVehicleStates(int first, const VectorXd& value, co
   const MatrixXd P_vv = vehicleCovariance();
   MatrixXd new_vv = P_vv;
   new_vv.middleRows(first, count) = G * P_vv;
-  new_vv.middleCols(first, count) = new_vv.middleRows(first, count).transpose();
+  new_vv.middleCols(first, count) = new_vv.middleRows(first, count).transpose().eval();
   new_vv.block(first, first, count, count) = G * P_vv * G.transpose() + noise;
   const MatrixXd P_lv = P_.block(nv, 0, n - nv, nv);
   P_.topLeftCorner(nv, nv) = new_vv;
