@@ -16,6 +16,7 @@ class GridStage : public SuiteStage {
   explicit GridStage(const HymmGridConfig& config)
       : settings_(settingsOf(config)), mapper_(config), image_(config.image) {}
 
+  void takeSample(const RecordedSample& sample) override { samples_.add(sample); }
   void takeScan(const ScanStep& step, CekfSlam& filter) override;
   void reset(double time_s) override;
   std::optional<NamedPart> savedPart() const override {
@@ -35,10 +36,18 @@ class GridStage : public SuiteStage {
   const std::optional<ScanAgreement>& agreement() const { return agreement_; }
 
  private:
+  void writeSamples(const ScanOutcome& outcome);
+
   SavedSettings settings_;
   GridMapper mapper_;
   std::optional<ScanAgreement> agreement_;
-  MapImage image_;  ///< drawn at the end
+  RecordedSamples samples_;
+  struct Refusal {
+    std::string first_reason;
+    std::size_t count = 0;
+  };
+  std::map<std::string, Refusal> refused_samples_;  ///< by layer
+  MapImage image_;                                  ///< drawn at the end
   MapMemoryLog memory_log_;
   StampSchedule memory_due_{kMemoryLogPeriod_s};
 };

@@ -41,6 +41,10 @@ bool OfflineRun::process(SensorEvent event) {
   return merger_.counts().clock_resets > resets;
 }
 
+void OfflineRun::process(const RecordedSample& sample) {
+  for (const auto& stage : stages_) stage->takeSample(sample);
+}
+
 void OfflineRun::finish() {
   for (const SensorEvent& released : merger_.flush()) processReleased(released);
 }

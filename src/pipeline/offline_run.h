@@ -41,6 +41,9 @@ class OfflineRun {
   /// Returns whether another recording began with it.
   bool process(SensorEvent event);
 
+  /// Takes a property that another sensor measured.
+  void process(const RecordedSample& sample);
+
   /// Counts a scan of the recording that could not become an event.
   void countLostScan() { ++scans_in_; }
 

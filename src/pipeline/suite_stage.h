@@ -9,6 +9,7 @@
 
 #include "cekf/cekf_slam.h"
 #include "cekf/landmark_map.h"
+#include "pipeline/recorded_samples.h"
 #include "pipeline/results_writer.h"
 #include "pipeline/sensor_event.h"
 #include "storage/map_folder.h"
@@ -32,6 +33,8 @@ class SuiteStage {
 
   /// Any event, before the filter takes it.
   virtual void takeEvent(const SensorEvent&) {}
+  /// A property that another sensor measured; its time may lie before or after the last scan's.
+  virtual void takeSample(const RecordedSample&) {}
   /// After the filter accepted a scan. What the engine tells the filter goes to `filter`.
   virtual void takeScan(const ScanStep& step, CekfSlam& filter) = 0;
   /// The filter began a new map.

@@ -82,6 +82,11 @@ void checkLengths(const std::vector<std::uint8_t>& bytes) {
       walker.skipArray(1);
       walker.skip(7 * sizeof(double));
     }
+  } else if constexpr (std::is_same_v<Message, PropertySample>) {
+    walker.skipHeader();
+    walker.skipArray(1);
+    walker.skip(10 * sizeof(double));
+    walker.skipArray(1);
   }
 }
 
@@ -103,13 +108,13 @@ boost::shared_ptr<const Message> decodeAs(const rosbag::MessageInstance& instanc
 }
 
 template <class Message>
-SensorMessage decode(const rosbag::MessageInstance& instance) {
+BagMessage decode(const rosbag::MessageInstance& instance) {
   return decodeAs<Message>(instance);
 }
 
 struct Kind {
   std::string type;
-  SensorMessage (*decode)(const rosbag::MessageInstance&);
+  BagMessage (*decode)(const rosbag::MessageInstance&);
 };
 
 template <class Message>
@@ -123,6 +128,7 @@ Kind kindOfTopic(const std::string& name) {
   if (name == "scan") return kindOf<sensor_msgs::LaserScan>();
   if (name == "points") return kindOf<sensor_msgs::PointCloud2>();
   if (name == "detections") return kindOf<LandmarkObservations>();
+  if (name == "property_samples") return kindOf<PropertySample>();
   return kindOf<sensor_msgs::NavSatFix>();
 }
 
@@ -140,6 +146,7 @@ SensorBag::SensorBag(const std::string& path, const BagSelection& selection) : p
   choose(selection.observation_input, selection, true);
   choose(selection.motion_input, selection, true);
   choose("gps/fix", selection, false);
+  choose("property_samples", selection, false);
 }
 
 void SensorBag::listTopics() {
@@ -218,7 +225,7 @@ void SensorBag::readTransforms(tf2::BufferCore& tf) {
   });
 }
 
-void SensorBag::read(const std::function<void(const SensorMessage&)>& take,
+void SensorBag::read(const std::function<void(const BagMessage&)>& take,
                      const std::function<void(double)>& progress) {
   std::vector<std::string> names;
   for (const auto& [name, decoder] : chosen_) names.push_back(name);
@@ -228,7 +235,7 @@ void SensorBag::read(const std::function<void(const SensorMessage&)>& take,
     std::size_t seen = 0;
     for (const rosbag::MessageInstance& instance : view) {
       if (seen++ % kMessagesPerProgress == 0) progress(static_cast<double>(seen) / total);
-      std::optional<SensorMessage> message;
+      std::optional<BagMessage> message;
       skippingUndecodable(instance, [&] { message = chosen_.at(instance.getTopic())(instance); });
       if (message) take(*message);
     }

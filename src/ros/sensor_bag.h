@@ -6,12 +6,16 @@
 #include <string>
 #include <vector>
 
+#include <hymm/PropertySample.h>
 #include <rosbag/bag.h>
 #include <tf2/buffer_core.h>
 
 #include "ros/sensor_queue.h"
 
 namespace hymm {
+
+/// What a run takes from a bag.
+using BagMessage = std::variant<SensorMessage, PropertySample::ConstPtr>;
 
 /// Which messages of a bag a run wants.
 struct BagSelection {
@@ -35,14 +39,14 @@ class SensorBag {
 
   /// Calls `take` with each message, and `progress` (from 0 to 1) now and then. Messages that
   /// cannot be decoded are skipped and counted. Throws core::InputError if the bag breaks off.
-  void read(const std::function<void(const SensorMessage&)>& take,
+  void read(const std::function<void(const BagMessage&)>& take,
             const std::function<void(double)>& progress);
 
   /// Messages that could not be decoded, by topic.
   const std::map<std::string, std::size_t>& undecodable() const { return undecodable_; }
 
  private:
-  using Decoder = SensorMessage (*)(const rosbag::MessageInstance&);
+  using Decoder = BagMessage (*)(const rosbag::MessageInstance&);
   struct Topic {
     std::string type;
     std::size_t messages = 0;

@@ -7,6 +7,7 @@
 #include "common/error.h"
 #include "ros/cause_log.h"
 #include "ros/event_reader.h"
+#include "ros/grid_conversions.h"
 #include "ros/sensor_bag.h"
 
 namespace hymm {
@@ -29,6 +30,39 @@ EventReader eventReader(const tf2::BufferCore& tf, const core::SuiteConfig& conf
                      GpsConverter({vehicle.gps_antenna.x_m, vehicle.gps_antenna.y_m}),
                      config.point_clouds, causes);
 }
+
+/// Reads property samples, which lie in map or in a frame that is fixed to the vehicle.
+class SampleReader {
+ public:
+  SampleReader(const tf2::BufferCore& tf, const core::VehicleConfig& vehicle, CauseLog& causes)
+      : map_frame_(vehicle.map_frame),
+        odom_frame_(vehicle.odom_frame),
+        mountings_(tf, vehicle.base_frame, std::nullopt, 0.0),
+        causes_(causes) {}
+
+  std::optional<core::RecordedSample> read(const PropertySample& message) {
+    const std::string& frame = message.header.frame_id;
+    core::RecordedSample recorded{fromMessage(message, core::Pose2()), std::nullopt};
+    if (frame == map_frame_) return recorded;
+    std::string problem =
+        "it is not fixed to the vehicle, and hymm_offline places samples in map "
+        "and in frames of the vehicle only";
+    if (frame != odom_frame_) {
+      const SensorMountings::Answer found = mountings_.findInSpace(frame, 0.0);
+      recorded.T_base_frame = found.T_base_sensor;
+      problem = found.problem;
+    }
+    if (recorded.T_base_frame) return recorded;
+    causes_.count("property samples of frame '" + frame + "' without a place",
+                  "Property samples of frame '" + frame + "' are refused: " + problem + ".");
+    return std::nullopt;
+  }
+
+ private:
+  std::string map_frame_, odom_frame_;
+  SensorMountings mountings_;
+  CauseLog& causes_;
+};
 
 }  // namespace
 
@@ -57,12 +91,20 @@ std::vector<std::string> runBag(const std::string& path,
   bag.readTransforms(tf);
   CauseLog causes;
   EventReader reader = eventReader(tf, config, causes);
-  const auto take = [&](const SensorMessage& message) {
+  SampleReader samples(tf, config.vehicle, causes);
+  const auto takeSensor = [&](const SensorMessage& message) {
     if (auto event = reader.read(message, 0.0).event) {
       // The next recording has its own transforms and its own GPS origin, as for a live node.
       if (run.process(std::move(*event))) reader.reset();
     } else if (isScan(message)) {
       run.countLostScan();
+    }
+  };
+  const auto take = [&](const BagMessage& message) {
+    if (const auto* sensor = std::get_if<SensorMessage>(&message)) {
+      takeSensor(*sensor);
+    } else if (auto sample = samples.read(*std::get<PropertySample::ConstPtr>(message))) {
+      run.process(*sample);
     }
   };
   bag.read(take, progress);
