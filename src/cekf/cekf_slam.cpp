@@ -72,7 +72,7 @@ bool CekfSlam::requestVehicleAmongLandmarks(const std::vector<int>& ids,
   return impl_->slam.requestVehicleAmongLandmarks(ids, std::move(take));
 }
 
-void CekfSlam::keepLocalStates(int scans) { impl_->way_back.keepLocalStates(scans); }
+void CekfSlam::keepLocalStates(double duration_s) { impl_->way_back.keepLocalStates(duration_s); }
 std::optional<LocalStateSpan> CekfSlam::localStates() const {
   return impl_->way_back.localStates();
 }

@@ -113,12 +113,12 @@ class CekfSlam {
 
   // --- The way back: see cekf/resumption.h ----------------------------------------------------
 
-  /// Keeps what it takes to go back to each of the last `scans` scans (0: to none, as at the
-  /// start). Meanwhile a global update waits until no scan before it can be gone back to; when the
-  /// active part would grow beyond twice its bound by that, the oldest scans are given up and
-  /// counted as forgotten. Costs memory (see localStates()) and a copy of the landmarks' register
-  /// every few scans.
-  void keepLocalStates(int scans);
+  /// Keeps what it takes to go back to each scan of the last `duration_s` by stamps (0: to none, as
+  /// at the start). Meanwhile a global update waits until no scan before it can be gone back to;
+  /// when the active part would grow beyond twice its bound by that, the oldest scans are given up
+  /// and counted as forgotten. Costs memory (see localStates()) and a copy of the landmarks'
+  /// register every quarter of that time.
+  void keepLocalStates(double duration_s);
   /// Nothing if there is none: not asked for, no scan yet, or just reset.
   std::optional<LocalStateSpan> localStates() const;
 

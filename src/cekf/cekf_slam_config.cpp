@@ -151,10 +151,10 @@ void CekfSlamConfig::describe(ConfigSchema& schema) {
   schema.number("large_correction_m", large_correction_m, Range::positive(),
                 "a scan that moves an active landmark by more counts as a map correction, carries "
                 "it to all landmarks at once, and publishes them");
-  schema.integer(
-      "local_states", local_states, Range::between(0, 10000),
-      "scans, the last ones, that the filter can go back to when the relocaliser is asked; "
-      "0: none");
+  schema.number(
+      "local_states_s", local_states_s, Range::between(0.0, 600.0),
+      "time, by stamps, that the filter can go back by when the relocaliser is asked; longer than "
+      "supervisor/switching/longest_doubt_s; 0: none");
   schema.group("merger", merger);
   schema.group("perception", perception);
   schema.group("active_area", active_area);

@@ -96,7 +96,7 @@ struct CekfSlamConfig {
   double landmark_block_range_m = 30.0;
   double landmark_rate_hz = 1.0;
   double large_correction_m = 0.5;
-  int local_states = 40;  ///< scans that can be gone back to when the place was lost
+  double local_states_s = 20.0;  ///< that can be gone back by when the place was lost
   SensorMergerConfig merger;
   PerceptionConfig perception;
   ActiveAreaConfig active_area;

@@ -64,7 +64,7 @@ void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation
     landmark.existence_log_odds =
         std::min(landmark.existence_log_odds + hit_log_odds_, kLargestLogOdds);
     if (landmark.type == LandmarkType::kUnknown) landmark.type = observation.type;
-    if (landmark.observations >= config_.confirm_observations) unconfirmed_ids_.erase(landmark.id);
+    if (isConfirmed(landmark)) unconfirmed_ids_.erase(landmark.id);
     if (landmark.diameter_state.exists()) {
       DiameterStates::observe(observation, landmark.diameter_state, filter);
     } else {
@@ -161,19 +161,19 @@ int LandmarkLifeCycle::promote(Observation observation, const ObservationSet& se
   landmark.linearised_at = located.position + linearised_at - VehicleState::pose(filter).position();
   registry_.add(landmark);
   changed_ids_.insert(landmark.id);
-  if (landmark.identity < 0 && landmark.observations < config_.confirm_observations) {
+  if (landmark.identity < 0 && !isConfirmed(landmark)) {
     unconfirmed_ids_.insert(landmark.id);
   }
   ++counts_.created;
   return landmark.slot;
 }
 
-int LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
+LandmarkLifeCycle::Missed LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
                             const SensorPlacement& sensor, const ScanAssociation& association,
                             CompressedEkf& filter) {
   const Pose2 T_map_sensor = VehicleState::pose(filter) * sensor.T_base_sensor;
   const Pose2 T_sensor_map = inverse(T_map_sensor);
-  int missed = 0;
+  Missed missed;
   for (const int slot : registry_.slotsNear(T_map_sensor.position(), config_.visible_range_m)) {
     const auto& seen = association.slots;
     if (std::find(seen.begin(), seen.end(), slot) != seen.end()) continue;
@@ -181,7 +181,8 @@ int LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
     if (landmark.last_seen_s >= set.time_s) continue;
     if (!shouldBeVisible(scan, T_sensor_map * landmark.position, landmark, config_)) continue;
     if (!isPlaceKnown(landmark, filter)) continue;
-    ++missed;
+    ++missed.all;
+    if (isConfirmed(landmark)) ++missed.confirmed;
     landmark.existence_log_odds += miss_log_odds_;
     if (landmark.existence_log_odds >= config_.drop_log_odds) continue;
     if (pinned_ids_.count(landmark.id) > 0) {

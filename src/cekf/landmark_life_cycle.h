@@ -29,6 +29,12 @@ class LandmarkLifeCycle {
     std::size_t merged = 0;
   };
 
+  /// Landmarks that a scan should have shown and did not.
+  struct Missed {
+    int all = 0;
+    int confirmed = 0;
+  };
+
   LandmarkLifeCycle(const LandmarkConfig& config, const AssociationConfig& association,
                     const DiameterPrior& diameter = {}, bool at_first_estimates = false);
 
@@ -44,12 +50,17 @@ class LandmarkLifeCycle {
                           CompressedEkf& filter);
 
   /// Landmarks that `scan` should have shown and did not lose odds of existence; those that lost
-  /// too much are dropped. Returns how many were missed.
-  int miss(const LaserScan& scan, const ObservationSet& set, const SensorPlacement& sensor,
+  /// too much are dropped.
+  Missed miss(const LaserScan& scan, const ObservationSet& set, const SensorPlacement& sensor,
            const ScanAssociation& association, CompressedEkf& filter);
 
   /// Landmarks that are not dropped from now on; one that was merged stands for what it became.
   void pin(const std::unordered_set<int>& ids);
+
+  /// Whether it was seen so often that it is surely there.
+  bool isConfirmed(const RegisteredLandmark& landmark) const {
+    return landmark.observations >= config_.confirm_observations;
+  }
 
   /// Drops landmarks that were seen too seldom to be trusted and have been left behind.
   void dropUnconfirmed(double time_s, CompressedEkf& filter);

@@ -241,13 +241,25 @@ void LandmarkSlam::extendMap(const ObservationSet& set, const LaserScan* scan,
   life_cycle_.confirm(set, association, estimate_.filter);
   const std::vector<int> created = life_cycle_.create(
       set, sensor, association, estimate_.vehicle.linearisedAt(), estimate_.filter);
-  const int missed =
-      scan != nullptr ? life_cycle_.miss(*scan, set, sensor, association, estimate_.filter) : 0;
-  countObservations(association, created, missed, outcome);
+  LandmarkLifeCycle::Missed missed;
+  if (scan != nullptr) {
+    missed = life_cycle_.miss(*scan, set, sensor, association, estimate_.filter);
+    outcome.health.confirmed_missed = missed.confirmed;
+    outcome.health.confirmed_expected = missed.confirmed + countConfirmed(association);
+  }
+  countObservations(association, created, missed.all, outcome);
   outcome.largest_correction_m =
       std::max({outcome.largest_correction_m, life_cycle_.merge(association, estimate_.filter),
                 life_cycle_.closeLoop(set.time_s, estimate_.filter)});
   life_cycle_.refreshActive(estimate_.filter);
+}
+
+int LandmarkSlam::countConfirmed(const ScanAssociation& association) const {
+  const LandmarkRegistry& registry = life_cycle_.registry();
+  return static_cast<int>(
+      std::count_if(association.slots.begin(), association.slots.end(), [&](int slot) {
+        return slot != ScanAssociation::kNone && life_cycle_.isConfirmed(registry.bySlot(slot));
+      }));
 }
 
 void LandmarkSlam::countObservations(const ScanAssociation& association,

@@ -117,6 +117,7 @@ class LandmarkSlam {
                  const ScanAssociation& association, ScanOutcome& outcome);
   void countObservations(const ScanAssociation& association, const std::vector<int>& created,
                          int missed, ScanOutcome& outcome);
+  int countConfirmed(const ScanAssociation& association) const;
   SensorPlacement sensorPlacement(const ObservationSet& set) const;
   Eigen::Matrix3d covarianceAmongSeen(const ScanAssociation& association) const;
   void spreadCorrection();

@@ -11,7 +11,7 @@ constexpr double kSameStamp_s = 1e-4;
 
 // Parts of the ring between two memories: fewer cost memory for scans that are not asked for, more
 // cost copies.
-constexpr std::size_t kParts = 4;
+constexpr double kParts = 4.0;
 
 bool isSame(double a_s, double b_s) { return std::abs(a_s - b_s) < kSameStamp_s; }
 
@@ -21,9 +21,9 @@ bool isScan(const SensorEvent& event) {
 
 }  // namespace
 
-void LocalStateRing::setScans(int scans) {
-  scans_ = static_cast<std::size_t>(std::max(scans, 0));
-  if (scans_ == 0) clear();
+void LocalStateRing::setDuration(double duration_s) {
+  duration_s_ = std::max(duration_s, 0.0);
+  if (!isKept()) clear();
 }
 
 void LocalStateRing::add(const SensorEvent& event) {
@@ -36,23 +36,19 @@ bool LocalStateRing::noteScan(double time_s) {
   const auto scan = std::find_if(events_.rbegin(), events_.rend(),
                                  [](const KeptEvent& e) { return isScan(*e.event); });
   if (scan != events_.rend() && timeOf(*scan->event) == time_s) scan->is_scan = true;
-  while (memories_.size() > 1 && scansSince(memories_[1]) >= scans_) dropOldest();
-  return scansSince(memories_.back()) >= std::max<std::size_t>(1, scans_ / kParts);
+  const auto age_s = [&](const KeptMemory& kept) { return time_s - kept.memory->last_scan_s; };
+  while (memories_.size() > 1 && age_s(memories_[1]) >= duration_s_ - kSameStamp_s) dropOldest();
+  return age_s(memories_.back()) >= duration_s_ / kParts - kSameStamp_s;
 }
 
 void LocalStateRing::remember(Memory memory) {
   memories_.push_back({std::move(memory), endOfEvents()});
 }
 
-std::size_t LocalStateRing::scansSince(const KeptMemory& memory) const {
-  const auto first =
-      events_.begin() + static_cast<std::ptrdiff_t>(memory.next_event - first_event_);
-  return static_cast<std::size_t>(
-      std::count_if(first, events_.end(), [](const KeptEvent& e) { return e.is_scan; }));
-}
-
 std::size_t LocalStateRing::scanCount() const {
-  return memories_.empty() ? 0 : 1 + scansSince(memories_.front());
+  if (memories_.empty()) return 0;
+  return 1 + static_cast<std::size_t>(std::count_if(events_.begin(), events_.end(),
+                                                    [](const KeptEvent& e) { return e.is_scan; }));
 }
 
 std::optional<LocalStateRing::Way> LocalStateRing::findWay(double time_s) const {

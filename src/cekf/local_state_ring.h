@@ -29,8 +29,8 @@ struct FilterMemory {
   std::size_t settled_updates = 0;
 };
 
-/// The last scans of a filter, each of which can be gone back to: memories at every few scans, and
-/// all events since the first of them. What lies between two memories is reached by replaying.
+/// The last scans of a filter, each of which can be gone back to: memories at every few of them,
+/// and all events since the first of them. What lies between two memories is reached by replaying.
 class LocalStateRing {
  public:
   using Memory = std::shared_ptr<const FilterMemory>;
@@ -43,9 +43,9 @@ class LocalStateRing {
     std::size_t next_event = 0;  ///< the first since, counted from the start
   };
 
-  /// Keeps the last `scans` scans from now on; 0: nothing.
-  void setScans(int scans);
-  bool isKept() const { return scans_ > 0; }
+  /// Keeps the scans of the last `duration_s`, by stamps, from now on; 0: nothing.
+  void setDuration(double duration_s);
+  bool isKept() const { return duration_s_ > 0.0; }
 
   /// Events in their order, before they are processed.
   void add(const SensorEvent& event);
@@ -83,12 +83,11 @@ class LocalStateRing {
   };
 
   std::size_t scanCount() const;
-  std::size_t scansSince(const KeptMemory& memory) const;
   void dropOldest();
   const KeptEvent& event(std::size_t number) const { return events_[number - first_event_]; }
   std::size_t endOfEvents() const { return first_event_ + events_.size(); }
 
-  std::size_t scans_ = 0;
+  double duration_s_ = 0.0;
   std::deque<KeptMemory> memories_;
   std::deque<KeptEvent> events_;
   std::size_t first_event_ = 0;

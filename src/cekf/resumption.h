@@ -11,7 +11,7 @@ namespace hymm::core {
 // How CekfSlam goes back to a scan in good order, waits there while another filter looks for the
 // vehicle, and goes on from there:
 //
-//   slam.keepLocalStates(n)             once; from then on the last n scans can be gone back to
+//   slam.keepLocalStates(duration)      once; from then on the scans of so long can be gone back to
 //   slam.suspend(T0)                    doubt: back to T0, where it waits; what comes is kept
 //   slam.requestVehicleAmongLandmarks() what the search begins with: as of T0
 //   slam.resume(T0, path)               found: the loop closes, and everything since is replayed

@@ -28,11 +28,15 @@ struct PoseEstimate {
 /// How well the filter explains what the sensors say. Shares are between 0 and 1.
 struct FilterHealth {
   double time_s = 0.0;
-  double nis = 0.0;                   ///< normalised innovation squared of the scan's joint update
-  int dof = 0;                        ///< its degrees of freedom; 0 when nothing was associated
-  double ambiguity = 0.0;             ///< observations with two or more compatible landmarks
-  double unexplained = 0.0;           ///< observations that no landmark explains
-  double missed = 0.0;                ///< landmarks that should have been seen and were not
+  double nis = 0.0;          ///< normalised innovation squared of the scan's joint update
+  int dof = 0;               ///< its degrees of freedom; 0 when nothing was associated
+  double ambiguity = 0.0;    ///< observations with two or more compatible landmarks
+  double unexplained = 0.0;  ///< observations that no landmark explains
+  double missed = 0.0;       ///< landmarks that should have been seen and were not
+  /// Confirmed landmarks that the scan should have shown, whether it did or not; those that
+  /// something nearer hides are not among them. 0 where no scan tells what is hidden.
+  int confirmed_expected = 0;
+  int confirmed_missed = 0;           ///< of these
   double position_deviation_m = 0.0;  ///< largest, of the vehicle
   double heading_deviation_rad = 0.0;
   double latency_ms = 0.0;  ///< wall time of processing the scan

@@ -116,9 +116,9 @@ PoseEstimate WayBack::pose() const {
 
 // --- Local states ----------------------------------------------------------------------------
 
-void WayBack::keepLocalStates(int scans) {
+void WayBack::keepLocalStates(double duration_s) {
   if (waiting_) return;
-  ring_.setScans(scans);
+  ring_.setDuration(duration_s);
   slam_.holdGlobalUpdates(ring_.isKept());
 }
 

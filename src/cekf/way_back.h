@@ -22,7 +22,7 @@ class WayBack {
   std::optional<ScanOutcome> process(const SensorEvent& event);
   void reset();
 
-  void keepLocalStates(int scans);
+  void keepLocalStates(double duration_s);
   std::optional<LocalStateSpan> localStates() const { return ring_.span(); }
 
   bool suspend(double time_T0_s);

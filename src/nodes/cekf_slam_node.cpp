@@ -34,10 +34,10 @@ std::string suspensionText(double from_s, bool is_suspended, const core::CekfSla
   const std::string scan = "the scan at " + core::numberText(from_s) + " s";
   if (is_suspended) return "The filter went back to " + scan + ", and waits there for 'resume'.";
   const std::optional<core::LocalStateSpan> kept = filter.localStates();
-  if (!kept) return "The filter cannot go back to " + scan + ": it keeps none (local_states).";
+  if (!kept) return "The filter cannot go back to " + scan + ": it keeps none (local_states_s).";
   return "The filter cannot go back to " + scan + ": it keeps those from " +
          core::numberText(kept->oldest_s) + " s to " + core::numberText(kept->newest_s) +
-         " s (local_states).";
+         " s (local_states_s).";
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
       queue_(kQueueCapacity),
       inputs_(handle_, config.motion_input, config.observation_input, config.gps.enabled, queue_,
               causes_) {
-  filter_.keepLocalStates(config.local_states);
+  filter_.keepLocalStates(config.local_states_s);
   ltrs_subscriber_ = handle_.subscribe("ltrs", 10, &CekfSlamNode::takeLtrs, this,
                                        ros::TransportHints().tcpNoDelay());
   pause_service_ = handle_.advertiseService("pause", &CekfSlamNode::pause, this);

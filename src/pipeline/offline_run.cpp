@@ -26,7 +26,7 @@ OfflineRun::OfflineRun(const SuiteConfig& config, const std::vector<std::string>
       supervisor_(findSupervisor(stages_)) {
   // Nothing else would go back to one.
   const bool can_go_back = std::find(nodes.begin(), nodes.end(), "relocaliser") != nodes.end();
-  if (can_go_back) filter_.keepLocalStates(config.cekf_slam.local_states);
+  if (can_go_back) filter_.keepLocalStates(config.cekf_slam.local_states_s);
 }
 
 bool OfflineRun::process(SensorEvent event) {

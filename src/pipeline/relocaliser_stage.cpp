@@ -58,7 +58,7 @@ std::vector<LandmarkEstimate> RelocaliserStage::EngineLink::landmarks() {
 std::string RelocaliserStage::EngineLink::suspend(double time_T0_s) {
   return filter->suspend(time_T0_s) ? ""
                                     : "The filter cannot go back to the last scan in good "
-                                      "order: it keeps too few (local_states).";
+                                      "order: that is too long ago (local_states_s).";
 }
 
 std::optional<FilterKnowledge> RelocaliserStage::EngineLink::ask(const std::vector<int>& ids,

@@ -43,6 +43,8 @@ FilterHealth toMessage(const core::FilterHealth& health, const std::string& fram
   message.ambiguity = health.ambiguity;
   message.unexplained = health.unexplained;
   message.missed = health.missed;
+  message.confirmed_expected = static_cast<std::uint32_t>(health.confirmed_expected);
+  message.confirmed_missed = static_cast<std::uint32_t>(health.confirmed_missed);
   message.position_deviation = health.position_deviation_m;
   message.heading_deviation = health.heading_deviation_rad;
   message.latency_ms = health.latency_ms;
@@ -57,6 +59,8 @@ core::FilterHealth fromMessage(const FilterHealth& message) {
   health.ambiguity = message.ambiguity;
   health.unexplained = message.unexplained;
   health.missed = message.missed;
+  health.confirmed_expected = static_cast<int>(message.confirmed_expected);
+  health.confirmed_missed = static_cast<int>(message.confirmed_missed);
   health.position_deviation_m = message.position_deviation;
   health.heading_deviation_rad = message.heading_deviation;
   health.latency_ms = message.latency_ms;

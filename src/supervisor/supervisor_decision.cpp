@@ -1,5 +1,6 @@
 #include "supervisor/supervisor_decision.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/number_text.h"
@@ -43,34 +44,48 @@ std::string because(const std::string& what, std::string why) {
   return what + (why.empty() ? "" : ": " + why) + ".";
 }
 
+/// How long suspicion has to last.
+double neededSuspicion_s(const ScanEvidence& scan, const SupervisorConfig& config) {
+  return isArmed(scan, config.suspicion) ? config.switching.armed_suspicious_s
+                                         : config.switching.suspicious_s;
+}
+
+std::string rounded(double seconds) { return numberText(std::round(10.0 * seconds) / 10.0); }
+
+/// Why the CEKF is not believed any more, as a sentence; empty if it is.
+std::string findDoubt(const SupervisorState& state, const SupervisorEvidence& evidence,
+                      const SupervisorConfig& config) {
+  if (state.loss.alarms(config.loss)) {
+    return "Over " + rounded(evidence.time_s - state.good_order_s) +
+           " s, landmarks that nothing hides were not seen, as a filter in good order would have "
+           "it less than once in " +
+           numberText(config.loss.false_alarm_interval_h) + " h.";
+  }
+  const std::string suspicion = findSuspicion(evidence.scan, config.suspicion);
+  const bool lasts = state.suspicious_scans >= kFewestSuspicious &&
+                     state.suspicious_s > neededSuspicion_s(evidence.scan, config) - kSameTime_s;
+  if (suspicion.empty() || !lasts) return {};
+  return "For " + std::to_string(state.suspicious_scans) + " scans in a row, over " +
+         rounded(state.suspicious_s) + " s, " + suspicion + ".";
+}
+
 Transition fromCekf(const SupervisorState& state, const SupervisorEvidence& evidence,
                     const SupervisorConfig& config) {
-  const std::string suspicion = findSuspicion(evidence.scan, config.suspicion);
-  const double needed_s = isArmed(evidence.scan, config.suspicion)
-                              ? config.switching.armed_suspicious_s
-                              : config.switching.suspicious_s;
-  const double lasting_s = evidence.time_s - state.good_order_s;
-  const bool lasts = !suspicion.empty() && state.suspicious_scans >= kFewestSuspicious &&
-                     lasting_s > needed_s - kSameTime_s;
-  if (!lasts) return stay(FilterMode::kCekf);
-  const std::string told =
-      "For " + std::to_string(state.suspicious_scans) + " scans in a row, over " +
-      numberText(std::round(10.0 * lasting_s) / 10.0) + " s, " + suspicion + ".";
+  const std::string doubt = findDoubt(state, evidence, config);
+  if (doubt.empty()) return stay(FilterMode::kCekf);
+  const std::string told = "The CEKF is in charge, though suspicious. " + doubt;
   if (!hears(evidence.relocaliser, config)) {
-    return stay(FilterMode::kCekf, "The CEKF is in charge, though suspicious. " + told +
-                                       " No relocaliser runs that could find the place.");
+    return stay(FilterMode::kCekf, told + " No relocaliser runs that could find the place.");
   }
   if (!config.switching.automatic) {
-    return stay(FilterMode::kCekf, "The CEKF is in charge, though suspicious. " + told +
-                                       " The relocaliser takes over by order only "
-                                       "(switching/automatic).");
+    return stay(FilterMode::kCekf,
+                told + " The relocaliser takes over by order only (switching/automatic).");
   }
   if (evidence.time_s < state.not_before_s) {
     return stay(FilterMode::kCekf,
-                "The CEKF is in charge, though suspicious. " + told +
-                    " The relocaliser was asked lately; it is asked again soon.");
+                told + " The relocaliser was asked lately; it is asked again soon.");
   }
-  return attempt(told + " The relocaliser looks for the place.");
+  return attempt(doubt + " The relocaliser looks for the place.");
 }
 
 Transition fromRelocalising(const SupervisorState& state, const SupervisorEvidence& evidence,
@@ -150,12 +165,35 @@ SupervisorState counted(const SupervisorState& state, const SupervisorEvidence& 
   SupervisorState result = state;
   if (state.mode != FilterMode::kCekf) {
     result.suspicious_scans = 0;
-  } else if (evidence.new_scan) {
-    const bool suspicious = !findSuspicion(evidence.scan, config.suspicion).empty();
-    result.suspicious_scans = suspicious ? state.suspicious_scans + 1 : 0;
-    if (!suspicious) result.good_order_s = evidence.time_s;
+    result.suspicious_s = 0.0;
+    result.last_scan_s.reset();
+    result.loss = {};
+    result.doubted_from_s.reset();
+    return result;
   }
+  if (!evidence.new_scan) return result;
+  const double since_s = evidence.time_s - state.last_scan_s.value_or(state.good_order_s);
+  const bool suspicious = !findSuspicion(evidence.scan, config.suspicion).empty();
+  // Nothing is known of a gap in the scans.
+  const double most_s = neededSuspicion_s(evidence.scan, config) / kFewestSuspicious;
+  result.suspicious_scans = suspicious ? state.suspicious_scans + 1 : 0;
+  result.suspicious_s = suspicious ? state.suspicious_s + std::clamp(since_s, 0.0, most_s) : 0.0;
+  result.last_scan_s = evidence.time_s;
+  result.loss = state.loss.after(evidence.time_s, evidence.scan, config.switching.longest_doubt_s,
+                                 config.loss);
+  if (result.loss.doubtsMuch()) result.doubted_from_s = result.loss.goodOrder_s();
+  const bool in_good_order = !suspicious && !result.loss.doubts();
+  const bool too_long_ago = evidence.time_s - state.good_order_s > config.switching.longest_doubt_s;
+  if (in_good_order || too_long_ago) result.good_order_s = evidence.time_s;
   return result;
+}
+
+/// Where the search begins: what was doubted much a while ago, and then explained again, may have
+/// been mapped anew in the wrong place.
+double searchFrom_s(const SupervisorState& state, double time_s, const SwitchingConfig& config) {
+  const double doubted_s = state.doubted_from_s.value_or(state.good_order_s);
+  const bool is_kept = time_s - doubted_s <= config.longest_doubt_s;
+  return is_kept ? std::min(state.good_order_s, doubted_s) : state.good_order_s;
 }
 
 SupervisorState follow(SupervisorState state, const Transition& transition, double time_s,
@@ -172,6 +210,7 @@ SupervisorState follow(SupervisorState state, const Transition& transition, doub
   state.mode = transition.mode;
   state.since_s = time_s;
   state.suspicious_scans = 0;
+  state.suspicious_s = 0.0;
   return state;
 }
 
@@ -191,7 +230,8 @@ std::string computeReason(const SupervisorDecision& decision, const SupervisorEv
   return "The CEKF is in charge.";
 }
 
-std::vector<EvidenceFigure> figuresOf(const SupervisorEvidence& evidence,
+std::vector<EvidenceFigure> figuresOf(const SupervisorState& state,
+                                      const SupervisorEvidence& evidence,
                                       const SupervisorConfig& config) {
   if (!evidence.pose_age_s) return {};
   const ScanEvidence& scan = evidence.scan;
@@ -203,13 +243,14 @@ std::vector<EvidenceFigure> figuresOf(const SupervisorEvidence& evidence,
           {"nis_per_dof", nis_per_dof, nis_limit},
           {"ambiguity", scan.ambiguity, limits.ambiguity},
           {"unexplained", scan.unexplained, limits.unexplained},
-          {"missed", scan.missed, limits.missed},
+          {"missed", scan.missed, std::nullopt},
           {"disagreement", scan.disagreement, limits.disagreement},
           {"unseen", scan.unseen, limits.unseen},
           {"old_landmarks_expected", static_cast<double>(scan.old_landmarks_expected),
            static_cast<double>(limits.old_landmarks)},
           {"position_deviation_m", scan.position_deviation_m, limits.armed_deviation_m},
-          {"heading_deviation_rad", scan.heading_deviation_rad, limits.armed_deviation_rad}};
+          {"heading_deviation_rad", scan.heading_deviation_rad, limits.armed_deviation_rad},
+          {"loss", state.loss.logRatio(), LossTest::limit(config.loss)}};
 }
 
 }  // namespace
@@ -242,6 +283,7 @@ void SupervisorConfig::describe(ConfigSchema& schema) {
   schema.integer("trajectory_max_poses", trajectory_max_poses, Range::between(10, 1000000),
                  "beyond that many, every other pose of `trajectory` is left out");
   schema.group("suspicion", suspicion);
+  schema.group("loss", loss);
   schema.group("old_landmarks", old_landmarks);
   schema.group("switching", switching);
 }
@@ -265,6 +307,9 @@ void SwitchingConfig::describe(ConfigSchema& schema) {
                  "attempts after which the CEKF goes on without closing the loop");
   schema.number("rest_s", rest_s, Range::notNegative(),
                 "time after the CEKF took over again in which the relocaliser is not asked");
+  schema.number("longest_doubt_s", longest_doubt_s, Range::between(1.0, 600.0),
+                "the scan that a search begins from is no longer ago, and doubt that has come to "
+                "nothing by then is dropped; cekf_slam/local_states_s has to be longer");
 }
 
 SupervisorEvidence evidenceAtScan(const FilterHealth& health) {
@@ -277,6 +322,8 @@ SupervisorEvidence evidenceAtScan(const FilterHealth& health) {
                    health.ambiguity,
                    health.unexplained,
                    health.missed,
+                   health.confirmed_expected,
+                   health.confirmed_missed,
                    0.0,
                    0.0,
                    0,
@@ -287,8 +334,10 @@ SupervisorEvidence evidenceAtScan(const FilterHealth& health) {
 
 SupervisorDecision computeDecision(const SupervisorState& state, const SupervisorEvidence& evidence,
                                    const SupervisorConfig& config) {
-  const SupervisorState now = counted(state, evidence, config);
+  SupervisorState now = counted(state, evidence, config);
   const Transition transition = computeTransition(now, evidence, config);
+  const bool leaves_cekf = now.mode == FilterMode::kCekf && transition.mode != now.mode;
+  if (leaves_cekf) now.good_order_s = searchFrom_s(now, evidence.time_s, config.switching);
   SupervisorDecision decision;
   decision.state = follow(now, transition, evidence.time_s, config.switching);
   decision.mode = transition.mode;
@@ -297,7 +346,7 @@ SupervisorDecision computeDecision(const SupervisorState& state, const Superviso
   decision.silent = evidence.pose_age_s && *evidence.pose_age_s > config.pose_timeout_s;
   decision.without_odometry = evidence.pose_age_s && !evidence.odometry_known;
   decision.reason = transition.why.empty() ? computeReason(decision, evidence) : transition.why;
-  decision.figures = figuresOf(evidence, config);
+  decision.figures = figuresOf(now, evidence, config);
   return decision;
 }
 

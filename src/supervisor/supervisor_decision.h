@@ -6,6 +6,7 @@
 
 #include "cekf/cekf_slam.h"
 #include "common/config.h"
+#include "supervisor/loss_test.h"
 #include "supervisor/old_landmarks.h"
 #include "supervisor/suspicion.h"
 
@@ -26,6 +27,7 @@ struct SwitchingConfig {
   double retry_interval_s = 10.0;      ///< between attempts
   int max_attempts = 3;                ///< then on with the CEKF, without closing the loop
   double rest_s = 20.0;                ///< after the CEKF took over again
+  double longest_doubt_s = 15.0;       ///< T0 is no longer ago
 
   void describe(ConfigSchema& schema);
 };
@@ -39,6 +41,7 @@ struct SupervisorConfig {
   double trajectory_rate_hz = 1.0;     ///< highest rate of `trajectory`
   int trajectory_max_poses = 20000;    ///< beyond that every other pose goes
   SuspicionConfig suspicion;
+  LossTestConfig loss;
   OldLandmarkConfig old_landmarks;
   SwitchingConfig switching;
 
@@ -86,11 +89,15 @@ struct EvidenceFigure {
 /// What the supervisor remembers from one decision to the next.
 struct SupervisorState {
   FilterMode mode = FilterMode::kInitialising;
-  double since_s = 0.0;       ///< when the mode began
-  int suspicious_scans = 0;   ///< in a row, the last of them
-  int attempts = 0;           ///< to relocalise since the CEKF was last in good order
-  double not_before_s = 0.0;  ///< when the next attempt may begin
-  double good_order_s = 0.0;  ///< stamp of the last scan of the CEKF that was not suspicious: T0
+  double since_s = 0.0;               ///< when the mode began
+  int suspicious_scans = 0;           ///< in a row, the last of them
+  int attempts = 0;                   ///< to relocalise since the CEKF was last in good order
+  double not_before_s = 0.0;          ///< when the next attempt may begin
+  double good_order_s = 0.0;          ///< stamp of the last scan of the CEKF that left no doubt: T0
+  double suspicious_s = 0.0;          ///< that suspicion has lasted for, gaps in the scans left out
+  std::optional<double> last_scan_s;  ///< of the CEKF
+  LossTest loss;
+  std::optional<double> doubted_from_s;  ///< scan before which nothing was doubted much lately
 };
 
 /// What has to be done now, once.
@@ -112,7 +119,7 @@ struct SupervisorDecision {
 };
 
 /// Who is in charge next, given who is now. Pure: the same arguments, the same decision. A CEKF
-/// that is suspicious for several scans in a row hands over to the relocaliser, if that runs; the
+/// that is suspicious for long, or is lost by the LossTest, hands over to the relocaliser; the
 /// relocaliser hands the place that it finds back to the CEKF by itself, and says what came of it.
 /// If it finds none, or the CEKF refuses, the vehicle is LOST until the next attempt; after the
 /// last attempt, or if the relocaliser falls silent, the CEKF goes on without closing the loop.

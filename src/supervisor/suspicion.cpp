@@ -9,8 +9,6 @@ void SuspicionConfig::describe(ConfigSchema& schema) {
                 "share of ambiguous observations that is suspicious");
   schema.number("nis_probability", nis_probability, Range::between(0.5, 0.9999999),
                 "quantile of chi-square beyond which a scan's NIS is suspicious");
-  schema.number("missed", missed, Range::between(0.0, 1.0),
-                "share of missed landmarks that is suspicious");
   schema.number("disagreement", disagreement, Range::between(0.0, 1.0),
                 "lack of correlation of scan and stored grid that is suspicious");
   schema.number("unexplained", unexplained, Range::between(0.0, 1.0),
@@ -44,7 +42,6 @@ std::string findSuspicion(const ScanEvidence& scan, const SuspicionConfig& confi
   // not help.
   if (scan.old_landmarks_expected < config.old_landmarks) return {};
   if (scan.ambiguity > config.ambiguity) return "observations are ambiguous";
-  if (scan.missed > config.missed) return "landmarks that should be in view are not seen";
   if (scan.disagreement > config.disagreement) return "the scan contradicts the stored grid";
   if (scan.unseen > config.unseen) return "old landmarks that should be in view are not seen";
   if (scan.unexplained > config.unexplained) {

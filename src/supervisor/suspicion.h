@@ -10,7 +10,6 @@ namespace hymm::core {
 struct SuspicionConfig {
   double ambiguity = 0.5;            ///< share of observations with several candidates
   double nis_probability = 0.9999;   ///< quantile of chi-square that the scan's NIS exceeds
-  double missed = 0.7;               ///< share of the landmarks that should have been seen
   double disagreement = 0.5;         ///< of the scan and the stored grid, see GridAgreement
   double unexplained = 0.8;          ///< share of observations that no landmark explains
   double unseen = 0.9;               ///< share of old landmarks that have not been seen lately
@@ -27,9 +26,11 @@ struct ScanEvidence {
   int dof = 0;
   double ambiguity = 0.0;
   double unexplained = 0.0;
-  double missed = 0.0;
-  double disagreement = 0.0;  ///< 0 where there is no grid yet
-  double unseen = 0.0;        ///< share of the old landmarks expected
+  double missed = 0.0;         ///< told only; what it says is in the next two
+  int confirmed_expected = 0;  ///< confirmed landmarks in clear view; 0 where that is not known
+  int confirmed_missed = 0;    ///< of these, not seen
+  double disagreement = 0.0;   ///< 0 where there is no grid yet
+  double unseen = 0.0;         ///< share of the old landmarks expected
   int old_landmarks_expected = 0;
   double position_deviation_m = 0.0;
   double heading_deviation_rad = 0.0;

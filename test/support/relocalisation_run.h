@@ -74,7 +74,7 @@ class LoopRelocalisation {
     core::CekfSlamConfig slam_config;
     slam_config.observation_input = "detections";
     core::CekfSlam alone(slam_config, vehicle), slam(slam_config, vehicle);
-    slam.keepLocalStates(kKeptScans);
+    slam.keepLocalStates(kKept_s);
     RelocalisationRun result;
     std::optional<core::Relocaliser> relocaliser;
     std::vector<core::PlaceAtScan> path;
@@ -118,7 +118,7 @@ class LoopRelocalisation {
   }
 
  private:
-  static constexpr int kKeptScans = 12;
+  static constexpr double kKept_s = 2.4;
   static constexpr double kWayAlone_m = 870.0;  // until here the CEKF meets nothing that it knows
   static constexpr double kWayRound_m = 900.0;  // from here the avenue is in view: T0
 

@@ -15,7 +15,7 @@
 namespace hymm::core {
 namespace {
 
-constexpr int kRing = 12;
+constexpr double kRing_s = 6.0;  // 12 scans
 constexpr std::uint64_t kSeed = 5;
 
 /// A drive as it was recorded.
@@ -42,9 +42,9 @@ CekfSlamConfig config() {
   return config;
 }
 
-CekfSlam newSlam(int kept_scans = kRing, const CekfSlamConfig& config = core::config()) {
+CekfSlam newSlam(double kept_s = kRing_s, const CekfSlamConfig& config = core::config()) {
   CekfSlam slam(config, VehicleConfig{});
-  slam.keepLocalStates(kept_scans);
+  slam.keepLocalStates(kept_s);
   return slam;
 }
 
@@ -90,7 +90,7 @@ constexpr double kEnd_s = 90.0, kT0_s = 76.0;  // the loop closes from 80 s on
 
 TEST(Resumption, TheRingChangesNothing) {
   const Recording recording = record(180);
-  CekfSlam with = newSlam(), without = newSlam(0);
+  CekfSlam with = newSlam(), without = newSlam(0.0);
   feed(with, recording, -1.0, kEnd_s);
   feed(without, recording, -1.0, kEnd_s);
   EXPECT_GT(with.counts().global_updates, 3U);
@@ -112,7 +112,7 @@ TEST(Resumption, VehicleAmongLandmarksIsOneGaussian) {
 /// The filter after all of the recording and back at a scan, and one that ends there.
 std::pair<Joint, Joint> backAndThere(const CekfSlamConfig& config, double time_s) {
   const Recording recording = record(180);
-  CekfSlam slam = newSlam(kRing, config), there = newSlam(kRing, config);
+  CekfSlam slam = newSlam(kRing_s, config), there = newSlam(kRing_s, config);
   feed(slam, recording, -1.0, kEnd_s);
   feed(there, recording, -1.0, time_s);
   EXPECT_TRUE(slam.suspend(time_s)) << time_s;
@@ -122,7 +122,7 @@ std::pair<Joint, Joint> backAndThere(const CekfSlamConfig& config, double time_s
 TEST(Resumption, GoesBackToAnyScanOfTheRingToTheBit) {
   CekfSlamConfig one_area = config();
   one_area.active_area.cell_m = 200.0;
-  for (double back_s = 0.5; back_s <= 0.5 * kRing - 0.5; back_s += 0.5) {
+  for (double back_s = 0.5; back_s <= kRing_s - 0.5; back_s += 0.5) {
     const auto [back, there] = backAndThere(one_area, kEnd_s - back_s);
     EXPECT_EQ(back.ids, there.ids);
     EXPECT_TRUE(back.mean == there.mean) << back_s;
@@ -131,7 +131,7 @@ TEST(Resumption, GoesBackToAnyScanOfTheRingToTheBit) {
 }
 
 TEST(Resumption, GoesBackAcrossGlobalUpdates) {
-  for (double back_s = 0.5; back_s <= 0.5 * kRing - 0.5; back_s += 0.5) {
+  for (double back_s = 0.5; back_s <= kRing_s - 0.5; back_s += 0.5) {
     const auto [back, there] = backAndThere(config(), kEnd_s - back_s);
     EXPECT_LT(difference(back, there), 1e-11) << back_s;  // one rounds what it has carried out
   }
@@ -185,7 +185,7 @@ TEST(Resumption, ClosesAsAFilterThatKnowsTheAssociations) {
   EXPECT_EQ(outcome.scans, 28U);
   EXPECT_FALSE(slam.isSuspended());
 
-  CekfSlam knowing = newSlam(0);
+  CekfSlam knowing = newSlam(0.0);
   for (const SensorEvent& event : recording.events) {
     const bool is_scan = std::holds_alternative<ObservationSet>(event);
     if (timeOf(event) > kEnd_s || (is_scan && timeOf(event) > kT0_s && timeOf(event) < close_s)) {
@@ -297,7 +297,7 @@ TEST(Resumption, WithoutClosingGoesOnByDeadReckoning) {
 
 TEST(Resumption, GivesOutNoIdTwice) {
   const Recording recording = record(200);
-  CekfSlam slam = newSlam(kRing);
+  CekfSlam slam = newSlam(kRing_s);
   feed(slam, recording, -1.0, 40.0);
   int highest = -1;
   for (const auto& landmark : slam.landmarkMap(0.0).landmarks) {
@@ -315,21 +315,50 @@ TEST(Resumption, GivesOutNoIdTwice) {
   for (const int removed : slam.takeUpdate().removed_ids) EXPECT_LE(removed, highest);
 }
 
-TEST(Resumption, KeepsAsManyScansAsItWasTold) {
+TEST(Resumption, KeepsScansForAsLongAsItWasTold) {
   const Recording recording = record(100);
-  CekfSlam slam = newSlam(kRing);
+  CekfSlam slam = newSlam();
   EXPECT_FALSE(slam.localStates());
   EXPECT_FALSE(slam.suspend(10.0));
   feed(slam, recording, -1.0, 50.0);
   ASSERT_TRUE(slam.localStates());
-  EXPECT_GE(slam.localStates()->scans, static_cast<std::size_t>(kRing));
-  EXPECT_LE(slam.localStates()->scans, 1U + kRing + kRing / 4);
+  EXPECT_LE(slam.localStates()->oldest_s, 50.0 - kRing_s);
+  EXPECT_GE(slam.localStates()->oldest_s, 50.0 - 1.25 * kRing_s - 0.5);
   EXPECT_EQ(slam.localStates()->newest_s, 50.0);
-  EXPECT_FALSE(slam.suspend(50.0 - kRing));
+  EXPECT_FALSE(slam.suspend(50.0 - 2.0 * kRing_s));
   EXPECT_FALSE(slam.suspend(49.75));  // no scan
   EXPECT_EQ(slam.counts().forgotten_states, 0U);
   slam.reset();
   EXPECT_FALSE(slam.localStates());
+}
+
+/// Of a sensor that is faster, more scans are kept, and no more memories.
+TEST(Resumption, KeepsTheSameTimeWhateverTheSensorsRate) {
+  const Recording recording = record(100);
+  CekfSlam slow = newSlam(), fast = newSlam();
+  feed(slow, recording, -1.0, 50.0);
+  for (const SensorEvent& event : recording.events) {
+    fast.process(event);
+    const auto* set = std::get_if<ObservationSet>(&event);
+    for (int i = 1; set != nullptr && i < 4; ++i) {  // three more scans after each
+      ObservationSet empty;
+      empty.time_s = set->time_s + 0.1 * i;
+      fast.process(empty);
+    }
+    if (timeOf(event) >= 50.0 && set != nullptr) break;
+  }
+  EXPECT_NEAR(fast.localStates()->oldest_s, slow.localStates()->oldest_s, 0.5);
+  EXPECT_GT(fast.localStates()->scans, 3 * slow.localStates()->scans);
+  EXPECT_TRUE(fast.suspend(50.0 - kRing_s));
+}
+
+/// The last scan before a gap can still be gone back to.
+TEST(Resumption, KeepsWhatWasBeforeAGap) {
+  const Recording recording = record(100);
+  CekfSlam slam = newSlam();
+  feed(slam, recording, -1.0, 20.0);
+  feed(slam, recording, 40.0, 42.0);
+  EXPECT_TRUE(slam.suspend(20.0));
 }
 
 TEST(Resumption, ReadingTheMapReleasesNothing) {
@@ -361,7 +390,7 @@ TEST(Resumption, GivesUpTheOldestScansWhenTheActivePartIsFull) {
   const Recording recording = record(100);
   CekfSlamConfig small = config();
   small.active_area.max_origin_states = 10;
-  CekfSlam slam = newSlam(40, small);
+  CekfSlam slam = newSlam(20.0, small);
   feed(slam, recording, -1.0, 50.0);
   EXPECT_GT(slam.counts().forgotten_states, 0U);
   ASSERT_TRUE(slam.localStates());

@@ -169,6 +169,10 @@ TEST_F(RelocalisationTest, FindsTheVehicleFromTheLastGoodScanAndHandsBackTheWay)
   ASSERT_FALSE(filter_.way.empty());
   EXPECT_THAT(filter_.way, Each(Field(&PlaceAtScan::time_s, Gt(good_s_))));
   EXPECT_EQ(filter_.way.back().time_s, time_s_);
+  // Of no scan since then the way is missing: each may close the loop.
+  EXPECT_NEAR(filter_.way.front().time_s, good_s_ + kScanPeriod_s, 1e-9);
+  EXPECT_EQ(static_cast<long>(filter_.way.size()),
+            std::lround((time_s_ - good_s_) / kScanPeriod_s));
   for (const PlaceAtScan& place : filter_.way) {
     const double x_m = kSpeed_mps * place.time_s;
     EXPECT_NEAR(place.T_map_base.x_m, x_m, 0.15);

@@ -100,7 +100,7 @@ TEST(SavedFilter, HoldsWhatAGlobalUpdateSaysThatIsHeldBack) {
   int held = 0;
   for (std::size_t end = 500; end <= drive.events.size(); end += 300) {
     CekfSlam slam(drive.config, drive.vehicle), after(drive.config, drive.vehicle);
-    slam.keepLocalStates(30);
+    slam.keepLocalStates(6.0);
     process(slam, drive, 0, end);
     held += slam.isGlobalUpdatePending() ? 1 : 0;
     const std::string state = slam.saveState();

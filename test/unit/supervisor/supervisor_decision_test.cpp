@@ -154,9 +154,6 @@ TEST(Suspicion, FallsOnEachKindOfFailureAlone) {
   scan.nis = 60.0;
   EXPECT_THAT(findSuspicion(scan, config), HasSubstr("do not fit"));
   scan = among_old;
-  scan.missed = 0.8;
-  EXPECT_THAT(findSuspicion(scan, config), HasSubstr("not seen"));
-  scan = among_old;
   scan.disagreement = 0.6;
   EXPECT_THAT(findSuspicion(scan, config), HasSubstr("grid"));
   scan = among_old;
@@ -166,10 +163,10 @@ TEST(Suspicion, FallsOnEachKindOfFailureAlone) {
 
 TEST(Suspicion, DoesNotFallOnExploring) {
   ScanEvidence scan = healthy().scan;
-  scan.unexplained = scan.missed = scan.ambiguity = scan.disagreement = scan.unseen = 1.0;
+  scan.unexplained = scan.ambiguity = scan.disagreement = scan.unseen = 1.0;
   scan.old_landmarks_expected = 2;
   EXPECT_EQ(findSuspicion(scan, {}), "");
-  scan.missed = scan.ambiguity = scan.disagreement = scan.unseen = 0.0;
+  scan.ambiguity = scan.disagreement = scan.unseen = 0.0;
   scan.old_landmarks_expected = 3;
   EXPECT_THAT(findSuspicion(scan, {}), HasSubstr("old landmarks"));
 }
@@ -219,7 +216,7 @@ TEST(SupervisorDecision, SwitchesAfterTheSameTimeWhateverTheSensorsRate) {
   const SupervisorEvidence evidence = withRelocaliser(ambiguous());
   for (const double period_s : {0.05, 0.1, 0.2, 0.5}) {
     SupervisorState state = stateIn(FilterMode::kCekf);
-    state.good_order_s = kNow_s - period_s;
+    state.good_order_s = kNow_s - period_s;  // no scan was counted yet
     const int needed = scansOver(config.switching.suspicious_s, period_s);
     EXPECT_EQ(afterScans(state, evidence, needed - 1, config, period_s).mode, FilterMode::kCekf);
     EXPECT_EQ(afterScans(state, evidence, needed, config, period_s).mode,
@@ -227,11 +224,84 @@ TEST(SupervisorDecision, SwitchesAfterTheSameTimeWhateverTheSensorsRate) {
   }
 }
 
+/// What a gap hides may have been in good order.
 TEST(SupervisorDecision, DoesNotSwitchAfterAGapInTheScans) {
+  const SupervisorConfig config = automatic();
   SupervisorEvidence evidence = withRelocaliser(ambiguous());
   evidence.time_s = kNow_s + 60.0;
-  const SupervisorDecision after = afterScans(stateIn(FilterMode::kCekf), evidence, 2);
-  EXPECT_EQ(after.mode, FilterMode::kCekf);
+  const int needed = scansOver(config.switching.suspicious_s);
+  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence, needed - 3).mode, FilterMode::kCekf);
+  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence, needed).mode,
+            FilterMode::kRelocalising);
+}
+
+TEST(SupervisorDecision, TakesThreeScansHoweverFarApart) {
+  const SupervisorEvidence evidence = withRelocaliser(ambiguous());
+  const auto after = [&](int scans) {
+    return afterScans(stateIn(FilterMode::kCekf), evidence, scans, automatic(), 10.0).mode;
+  };
+  EXPECT_EQ(after(2), FilterMode::kCekf);
+  EXPECT_EQ(after(4), FilterMode::kRelocalising);
+}
+
+/// All of `expected` landmarks in clear view are missed, and nothing is explained.
+SupervisorEvidence lost(int expected) {
+  SupervisorEvidence evidence = withRelocaliser(healthy());
+  evidence.scan.nis = 0.0;
+  evidence.scan.dof = 0;
+  evidence.scan.unexplained = 1.0;
+  evidence.scan.confirmed_expected = evidence.scan.confirmed_missed = expected;
+  return evidence;
+}
+
+TEST(SupervisorDecision, SwitchesWhereConfirmedLandmarksAreMissedThoughNoneIsOld) {
+  const SupervisorDecision decision = afterScans(stateIn(FilterMode::kCekf), lost(5), 12);
+  EXPECT_EQ(decision.mode, FilterMode::kRelocalising);
+  EXPECT_THAT(decision.reason, AllOf(HasSubstr("nothing hides"), HasSubstr("once in 1 h")));
+}
+
+TEST(SupervisorDecision, BeginsFromTheScanBeforeTheLandmarksWereMissed) {
+  SupervisorDecision decision =
+      afterScans(stateIn(FilterMode::kCekf), withRelocaliser(healthy()), 5);
+  SupervisorEvidence evidence = lost(5);
+  evidence.time_s = kNow_s + 5 * kPeriod_s;
+  const SupervisorState before = decision.state;
+  while (decision.mode == FilterMode::kCekf && evidence.time_s < kNow_s + 20.0) {
+    decision = computeDecision(decision.state, evidence, automatic());
+    evidence.time_s += kPeriod_s;
+  }
+  ASSERT_EQ(decision.action, SupervisorAction::kBeginRelocalising);
+  EXPECT_DOUBLE_EQ(decision.from_s, before.good_order_s);
+  EXPECT_DOUBLE_EQ(decision.from_s, kNow_s + 4 * kPeriod_s);
+}
+
+/// What it mapped after a doubt that passed may be in the wrong place.
+TEST(SupervisorDecision, BeginsFromBeforeAMuchDoubtedScanThatWasExplainedAgain) {
+  SupervisorDecision decision =
+      afterScans(stateIn(FilterMode::kCekf), withRelocaliser(healthy()), 5);
+  const double doubted_from_s = kNow_s + 4 * kPeriod_s;
+  const auto go_on = [&](SupervisorEvidence evidence, int scans) {
+    evidence.time_s = *decision.state.last_scan_s + kPeriod_s;
+    decision = afterScans(decision.state, evidence, scans);
+  };
+  go_on(lost(5), 3);
+  ASSERT_TRUE(decision.state.loss.doubtsMuch());
+  SupervisorEvidence explained = withRelocaliser(healthy());
+  explained.scan.confirmed_expected = 5;
+  go_on(explained, 20);
+  ASSERT_FALSE(decision.state.loss.doubts());
+  go_on(withRelocaliser(ambiguous()), scansOver(automatic().switching.suspicious_s));
+  ASSERT_EQ(decision.action, SupervisorAction::kBeginRelocalising);
+  EXPECT_DOUBLE_EQ(decision.from_s, doubted_from_s);
+}
+
+/// The filter keeps no way back to what was long ago.
+TEST(SupervisorDecision, BeginsFromNoScanThatIsTooLongAgo) {
+  SupervisorConfig config = automatic();
+  config.switching.automatic = false;
+  SupervisorDecision decision = afterScans(stateIn(FilterMode::kCekf), lost(1), 500, config);
+  EXPECT_GE(decision.state.good_order_s,
+            *decision.state.last_scan_s - config.switching.longest_doubt_s);
 }
 
 TEST(SupervisorDecision, OneGoodScanEndsTheDoubt) {
