@@ -255,7 +255,7 @@ SupervisorEvidence lost(int expected) {
 }
 
 TEST(SupervisorDecision, SwitchesWhereConfirmedLandmarksAreMissedThoughNoneIsOld) {
-  const SupervisorDecision decision = afterScans(stateIn(FilterMode::kCekf), lost(5), 12);
+  const SupervisorDecision decision = afterScans(stateIn(FilterMode::kCekf), lost(5), 9);
   EXPECT_EQ(decision.mode, FilterMode::kRelocalising);
   EXPECT_THAT(decision.reason, AllOf(HasSubstr("nothing hides"), HasSubstr("once in 1 h")));
 }
@@ -452,8 +452,13 @@ class EveryDecision : public ::testing::Test {
         for (const double age_s : {0.0, 10.0, 1000.0}) {
           for (const int suspicious : {0, 2, 9}) {
             for (const double wait_s : {-1.0, 5.0}) {
-              states.push_back(
-                  {mode, kNow_s - age_s, suspicious, attempts, kNow_s + wait_s, kNow_s - 2.0});
+              SupervisorState state = stateIn(mode, attempts);
+              state.since_s = kNow_s - age_s;
+              state.suspicious_scans = suspicious;
+              state.suspicious_s = kPeriod_s * suspicious;
+              state.not_before_s = kNow_s + wait_s;
+              state.good_order_s = kNow_s - 2.0;
+              states.push_back(state);
             }
           }
         }
