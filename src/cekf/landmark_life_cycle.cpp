@@ -169,8 +169,9 @@ int LandmarkLifeCycle::promote(Observation observation, const ObservationSet& se
 }
 
 LandmarkLifeCycle::Missed LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
-                            const SensorPlacement& sensor, const ScanAssociation& association,
-                            CompressedEkf& filter) {
+                                                  const SensorPlacement& sensor,
+                                                  const ScanAssociation& association,
+                                                  CompressedEkf& filter) {
   const Pose2 T_map_sensor = VehicleState::pose(filter) * sensor.T_base_sensor;
   const Pose2 T_sensor_map = inverse(T_map_sensor);
   Missed missed;

@@ -52,7 +52,7 @@ class LandmarkLifeCycle {
   /// Landmarks that `scan` should have shown and did not lose odds of existence; those that lost
   /// too much are dropped.
   Missed miss(const LaserScan& scan, const ObservationSet& set, const SensorPlacement& sensor,
-           const ScanAssociation& association, CompressedEkf& filter);
+              const ScanAssociation& association, CompressedEkf& filter);
 
   /// Landmarks that are not dropped from now on; one that was merged stands for what it became.
   void pin(const std::unordered_set<int>& ids);
