@@ -32,6 +32,8 @@ auto withBagErrors(const std::string& path, const Work& work) {
     throw;
   } catch (const rosbag::BagUnindexedException&) {
     throw core::InputError(path + ": the bag was not closed, so it has no index." + reindex);
+  } catch (const BagCutOff& error) {
+    throw core::InputError(path + ": the bag is cut off (" + error.what() + ")." + reindex);
   } catch (const rosbag::BagIOException& error) {
     throw core::InputError(path + ": the bag is cut off or cannot be read (" + error.what() + ")." +
                            reindex);

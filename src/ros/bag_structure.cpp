@@ -151,8 +151,10 @@ class BagWalk {
  private:
   /// The number of indices behind each chunk is kept. Returns where the index of the bag begins.
   std::uint64_t checkChunks(std::uint64_t at, std::uint64_t index_at) {
-    if (index_at > bytes_.size())
-      refuse("the index is said to be beyond the end, which is", bytes_.size());
+    if (index_at > bytes_.size()) {
+      throw BagCutOff("its index is said to begin at byte " + std::to_string(index_at) + " of " +
+                      std::to_string(bytes_.size()));
+    }
     while (at < index_at) {
       const Record chunk = recordAt(bytes_, at);
       at = chunk.kind() == kChunk ? checkChunk(chunk) : chunk.end;

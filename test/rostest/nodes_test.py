@@ -56,8 +56,13 @@ class Robot:
         transform.transform.rotation.w = 1.0
         self.static.publish(TFMessage([transform]))
         self.time_s = 100.0
-        while self.motion.get_num_connections() < 2 or self.scans.get_num_connections() < 1:
+        while not (self.is_heard(self.motion, "/cekf_slam", "/dead_reckoning")
+                   and self.is_heard(self.scans, "/cekf_slam")):
             time.sleep(0.05)
+
+    @staticmethod
+    def is_heard(publisher, *nodes):
+        return set(nodes) <= {connection.endpoint_id for connection in publisher.impl.connections}
 
     def scan(self, frame="laser", poles=()):
         """Nothing in sight, or poles 0.5 m thick at places (x, y) in the laser's frame."""
