@@ -45,13 +45,9 @@ DoorPlannerNode::DoorPlannerNode(const core::DoorPlannerConfig& config,
   listen(request_handle_, "move_base_simple/goal", 2, &DoorPlannerNode::takeGoal);
   services_ = {request_handle_.advertiseService("plan_path", &DoorPlannerNode::planPath, this),
                request_handle_.advertiseService("make_plan", &DoorPlannerNode::makePlan, this)};
-  // Actionlib adds this time to the stamps of goals, and one near the end of time would throw in
-  // its thread: 0. A finished goal is then told once, on a connection that keeps order.
-  request_handle_.setParam("plan_path/status_list_timeout", 0.0);
   action_ = std::make_unique<PlanServer>(
       request_handle_, "plan_path",
-      [this](const PlanPathGoalConstPtr& goal) { executeAction(goal); }, false);
-  action_->start();
+      [this](const PlanPathGoal& goal) { return executeAction(goal); });
   diagnostics_.setHardwareID("none");
   diagnostics_.add("inputs", &traffic_, &TrafficMeter::diagnose);
   diagnostics_.add("door planner", this, &DoorPlannerNode::diagnose);

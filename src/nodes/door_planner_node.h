@@ -9,7 +9,6 @@
 #include <thread>
 #include <vector>
 
-#include <actionlib/server/simple_action_server.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
@@ -28,6 +27,7 @@
 #include "pipeline/landmark_mirror.h"
 #include "ros/cause_log.h"
 #include "ros/plan_conversions.h"
+#include "ros/single_goal_server.h"
 #include "ros/traffic_meter.h"
 #include "vehicle/vehicle_config.h"
 
@@ -60,7 +60,7 @@ class DoorPlannerNode {
     core::Plan plan;
     std::vector<Eigen::Vector2d> sent;  ///< as it was last published
   };
-  using PlanServer = actionlib::SimpleActionServer<PlanPathAction>;
+  using PlanServer = SingleGoalServer<PlanPathAction>;
 
   void takeMap(const LandmarkMap& message);
   void takeUpdate(const LandmarkUpdate& message);
@@ -71,7 +71,7 @@ class DoorPlannerNode {
   void takeGoal(const geometry_msgs::PoseStamped& message);
   bool planPath(PlanPath::Request& request, PlanPath::Response& response);
   bool makePlan(nav_msgs::GetPlan::Request& request, nav_msgs::GetPlan::Response& response);
-  void executeAction(const PlanPathGoalConstPtr& goal);
+  PlanServer::End executeAction(const PlanPathGoal& goal);
 
   core::Plan plan(const Wish& wish, const std::function<bool()>& cancelled = nullptr);
   bool isOurFrame(const std::string& frame, const std::string& topic);

@@ -148,34 +148,33 @@ bool DoorPlannerNode::makePlan(nav_msgs::GetPlan::Request& request,
   return true;
 }
 
-void DoorPlannerNode::executeAction(const PlanPathGoalConstPtr& goal) {
+DoorPlannerNode::PlanServer::End DoorPlannerNode::executeAction(const PlanPathGoal& goal) {
   const double begin_s = steadyNow();
   Wish wish;
-  if (!goal->from_pose) wish.start = placeOf(goal->start);
-  wish.goal = placeOf(goal->goal);
-  wish.tolerance_m = goal->tolerance;
-  wish.lowest_information = goal->lowest_information;
-  wish.weights = goal->weights;
-  wish.is_refined = !goal->unrefined;
+  if (!goal.from_pose) wish.start = placeOf(goal.start);
+  wish.goal = placeOf(goal.goal);
+  wish.tolerance_m = goal.tolerance;
+  wish.lowest_information = goal.lowest_information;
+  wish.weights = goal.weights;
+  wish.is_refined = !goal.unrefined;
   const core::Plan answer = plan(wish, [&] {
     PlanPathFeedback feedback;
     feedback.seconds = steadyNow() - begin_s;
     action_->publishFeedback(feedback);
-    return action_->isPreemptRequested();
+    return action_->isAskedToEnd();
   });
-  PlanPathResult result;
-  fill(answer, header(), result);
+  using Status = GoalLedger::Status;
+  PlanServer::End end;
+  end.text = answer.sentence;
+  fill(answer, header(), end.result);
   if (answer.status == core::PlanStatus::kCancelled) {
-    action_->setPreempted(result, answer.sentence);
-    return;
+    end.state = Status::PREEMPTED;
+    return end;
   }
   keep(wish, answer);
   watch();
-  if (answer.ok()) {
-    action_->setSucceeded(result, answer.sentence);
-  } else {
-    action_->setAborted(result, answer.sentence);
-  }
+  end.state = answer.ok() ? Status::SUCCEEDED : Status::ABORTED;
+  return end;
 }
 
 }  // namespace hymm

@@ -8,10 +8,11 @@ import unittest
 import actionlib
 import rospy
 import rostest
-from actionlib_msgs.msg import GoalStatus
+from actionlib_msgs.msg import GoalID, GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, PoseStamped, PoseWithCovarianceStamped
-from hymm.msg import Landmark, LandmarkMap, Ltr, LtrGrid, LtrMap, PlanPathAction, PlanPathGoal
+from hymm.msg import (Landmark, LandmarkMap, Ltr, LtrGrid, LtrMap, PlanPathAction, PlanPathActionGoal,
+                      PlanPathGoal)
 from hymm.srv import PlanPath
 from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan
@@ -198,6 +199,23 @@ class DoorPlannerTest(unittest.TestCase):
             if client.get_state() == GoalStatus.PREEMPTED:
                 self.assertEqual(client.get_result().status, "CANCELLED")
         self.assertEqual(self.ask(start=Point(3.0, 5.5, 0.0), y=7.5).status, "OK")
+
+    def test_7_cancels_that_come_before_their_goals_do_no_harm(self):
+        # Of old stamps: actionlib's own server ends the process by what it keeps of such goals.
+        goals = rospy.Publisher("plan_path/goal", PlanPathActionGoal, queue_size=100)
+        cancels = rospy.Publisher("plan_path/cancel", GoalID, queue_size=100)
+        self.assertTrue(wait_for(lambda: goals.get_num_connections() and cancels.get_num_connections()))
+        for k in range(2000):
+            known = GoalID(stamp=rospy.Time(1), id=f"goal {k}" + "x" * (37 * k % 200))
+            cancels.publish(known)
+            goals.publish(PlanPathActionGoal(goal_id=known))
+            if k % 10 == 0:
+                time.sleep(0.005)
+        client = actionlib.SimpleActionClient("plan_path", PlanPathAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(WAIT_S)))
+        client.send_goal(PlanPathGoal(start=Point(3.0, 4.0, 0.0), goal=Point(30.0, 6.0, 0.0)))
+        self.assertTrue(client.wait_for_result(rospy.Duration(WAIT_S)))
+        self.assertEqual(client.get_state(), GoalStatus.SUCCEEDED)
 
     def test_7_weights_and_refinement_can_be_asked_for(self):
         ask = dict(start=Point(3.0, 5.5, 0.0), y=7.5)
