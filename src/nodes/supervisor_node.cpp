@@ -113,10 +113,19 @@ bool SupervisorNode::isComplete(const FilterAnswer& answer, double since_s) cons
   const double now_s = steadyNow();
   const bool has_landmarks = landmarks_.map().version >= answer.pose.map_version;
   if (!has_landmarks && now_s - since_s < kLandmarkWait_s) return false;
-  if (decision_.mode != core::FilterMode::kRelocalising) return true;
+  if (decision_.mode != core::FilterMode::kRelocalising || endsSearch(answer)) return true;
+  // One that was started anew, or forgot its search, will not answer; what it says is told apart.
+  if (!relocaliser_.knows(orders_) && now_s - since_s > config_.pose_timeout_s) return true;
   if (relocaliser_.hasAnswered(orders_, answer.pose.header.stamp)) return true;
   const auto relocaliser = relocaliser_.evidence(orders_, now_s);
   return !relocaliser || relocaliser->age_s > config_.pose_timeout_s;
+}
+
+/// Whether the scan is of another recording, of another map or of a filter started anew: the
+/// relocaliser ends its search then, and answers no more.
+bool SupervisorNode::endsSearch(const FilterAnswer& answer) const {
+  return answer.pose.header.stamp < pose_stamp_ || answer.health.scans < filter_scans_ ||
+         (resets_ && answer.health.resets != *resets_);
 }
 
 void SupervisorNode::process(const FilterAnswer& answer) {
@@ -167,7 +176,6 @@ void SupervisorNode::noteRestart(const FilterAnswer& answer) {
           " landmarks is lost, and a new one begins where the vehicle was. ";
   ROS_ERROR_STREAM(lost_);
   landmarks_ = core::LandmarkMirror();
-  decision_.state = {};
   beginMap();
 }
 
@@ -288,13 +296,14 @@ void SupervisorNode::beginRecording() {
   ROS_WARN("The poses' time stamps ran back: another recording begins.");
   tf_.clear();
   map_odom_.reset();
-  decision_.state = {};
   agreement_.clear();
   landmarks_ = core::LandmarkMirror();
   beginMap();
 }
 
+/// What was doubted of the map before, and searched for in it, ends with it.
 void SupervisorNode::beginMap() {
+  decision_.state = {};
   trajectory_.clear();
   dead_reckoning_.clear();
   gps_.clear();

@@ -50,6 +50,7 @@ class SupervisorNode {
   bool setMode(SetMode::Request& request, SetMode::Response& response);
   void pairAnswers();
   void processAnswers();
+  bool endsSearch(const FilterAnswer& answer) const;
   bool isComplete(const FilterAnswer& answer, double since_s) const;
   void process(const FilterAnswer& answer);
   void publishPose(const FilterAnswer& answer);

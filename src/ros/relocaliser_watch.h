@@ -21,6 +21,8 @@ class RelocaliserWatch {
 
   /// What it says of an order; nothing if it was never heard.
   std::optional<core::RelocaliserEvidence> evidence(std::uint64_t order, double steady_now_s) const;
+  /// Whether what it told last is of that order.
+  bool knows(std::uint64_t order) const { return health_ && health_->order == order; }
   /// Whether nothing more is to be waited for before the scan at `stamp` is judged.
   bool hasAnswered(std::uint64_t order, const ros::Time& stamp) const;
   /// Its pose of that scan, where it told one.
