@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 
 #include "common/error.h"
@@ -12,6 +13,8 @@ namespace hymm::core {
 namespace {
 
 constexpr double kIndexCell_m = 10.0;
+/// Of one LTR. One with more would be a kilometre wide, or is none.
+constexpr std::int64_t kMostCells = 1 << 22;
 /// Cells of other LTRs may be that much larger than an LTR's own.
 constexpr double kIndexMargin_m = 1.0;
 /// By which landmarks and borders may move relative to an LTR before its blocked cells are found
@@ -26,8 +29,9 @@ bool isUsable(const LtrView& view) {
   for (const Eigen::Vector2d& corner : view.corners) {
     if (!corner.allFinite()) return false;
   }
+  const std::int64_t cells = std::int64_t{view.alpha_cells} * view.beta_cells;
   return turn(view.corners[0], view.corners[1], view.corners[2]) > 1e-9 && view.alpha_cells > 0 &&
-         view.beta_cells > 0;
+         view.beta_cells > 0 && cells <= kMostCells;
 }
 
 /// Largest share by which a length in `before` has grown in `now`.

@@ -31,8 +31,8 @@ class DoorMap {
   /// Throws ConfigError if the configuration is unusable.
   explicit DoorMap(const DoorPlannerConfig& config);
 
-  /// All LTRs there are, with their present corners. Those without three corners apart are left
-  /// out, and returned.
+  /// All LTRs there are, with their present corners. Those without three corners apart, or
+  /// with more cells than an LTR has, are left out, and returned.
   std::vector<int> setLtrs(const std::vector<LtrView>& ltrs);
 
   /// All landmarks there are, whether they span LTRs or not. Costs are computed anew only where one

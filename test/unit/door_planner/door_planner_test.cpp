@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <queue>
 #include <thread>
@@ -253,6 +254,14 @@ TEST(DoorPlanner, FindsBlockedCellsAnewOnlyWhereLandmarksMoveRelativeToLtrs) {
   EXPECT_GT(world.planner.counts().blocked, blocked);
   const Plan plan = world.plan(moved * Vector2d(4.0, 9.0), moved * Vector2d(14.0, 9.0));
   EXPECT_GE(distance_m(plan.path, moved * (post + Vector2d(0.5, 0.0))), 0.2 + 0.8);
+}
+
+TEST(DoorPlanner, LeavesOutLtrsOfMoreCellsThanMemoryHas) {
+  TwoSquares world(true);
+  std::vector<LtrView> ltrs = world.mesh.ltrs;
+  ltrs[0].alpha_cells = ltrs[0].beta_cells = std::numeric_limits<int>::max();
+  EXPECT_EQ(world.planner.setLtrs(ltrs), std::vector<int>{ltrs[0].id});
+  EXPECT_TRUE(world.planner.setLtrs(world.mesh.ltrs).empty());
 }
 
 TEST(DoorPlanner, ComputesNothingAnewWhenTheMapTurnsAndShifts) {
