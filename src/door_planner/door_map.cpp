@@ -13,8 +13,10 @@ namespace hymm::core {
 namespace {
 
 constexpr double kIndexCell_m = 10.0;
-/// Of one LTR. One with more would be a kilometre wide, or is none.
+/// Of one LTR. What has more cells, or is wider, comes of a message that makes no sense, and its
+/// portals would fill the memory.
 constexpr std::int64_t kMostCells = 1 << 22;
+constexpr double kWidest_m = 1e4;
 /// Cells of other LTRs may be that much larger than an LTR's own.
 constexpr double kIndexMargin_m = 1.0;
 /// By which landmarks and borders may move relative to an LTR before its blocked cells are found
@@ -27,7 +29,7 @@ double factorOf(const LtrView& view) {
 
 bool isUsable(const LtrView& view) {
   for (const Eigen::Vector2d& corner : view.corners) {
-    if (!corner.allFinite()) return false;
+    if (!((corner - view.corners[0]).norm() <= 0.5 * kWidest_m)) return false;
   }
   const std::int64_t cells = std::int64_t{view.alpha_cells} * view.beta_cells;
   return turn(view.corners[0], view.corners[1], view.corners[2]) > 1e-9 && view.alpha_cells > 0 &&

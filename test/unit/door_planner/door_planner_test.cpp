@@ -264,6 +264,16 @@ TEST(DoorPlanner, LeavesOutLtrsOfMoreCellsThanMemoryHas) {
   EXPECT_TRUE(world.planner.setLtrs(world.mesh.ltrs).empty());
 }
 
+TEST(DoorPlanner, LeavesOutLtrsWiderThanTheyCanBe) {
+  TwoSquares world(true);
+  std::vector<LtrView> ltrs = world.mesh.ltrs;
+  ltrs[0].corners[0] = Vector2d(-1e12, -1e12);
+  const int unusable = ltrs[0].id;
+  EXPECT_EQ(world.planner.setLtrs(ltrs), std::vector<int>{unusable});
+  world.planner.prepare(Vector2d::Zero());
+  EXPECT_NE(world.plan({4.0, 9.0}, {14.0, 9.0}).status, PlanStatus::kCancelled);
+}
+
 TEST(DoorPlanner, ComputesNothingAnewWhenTheMapTurnsAndShifts) {
   World world(wallWithGap(30.0, 4.0));
   const Plan before = world.plan({8.0, 8.0}, {40.0, 8.0});
