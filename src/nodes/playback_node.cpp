@@ -73,15 +73,20 @@ void PlaybackNode::waitForAll() {
 }
 
 /// From every node that publishes to every listener: to be registered is not to be connected, and
-/// what is sent in between is lost.
+/// what is sent in between is lost. A node that begins subscribes one by one, so that all has to
+/// stay as it is for a while.
 void PlaybackNode::waitForLinks() {
   state_ = "Waits for the connections between the nodes";
   const double begin_s = steadyNow();
   double last_missing_s = begin_s;
+  NodesByTopic subscribers;
   while (ros::ok() && steadyNow() - last_missing_s < kSettle_s) {
     pause();
     std::string missing;
     const NodeGraph graph = presentGraph();
+    if (graph.subscribers.empty()) missing = "all, as the master does not answer";
+    if (graph.subscribers != subscribers) missing = joined(missing, "new ones");
+    subscribers = graph.subscribers;
     for (const std::string& listener : listeners_) {
       for (const std::string& link : missingLinks(graph, handle_.resolveName(listener))) {
         missing = joined(missing, link + " to " + listener);
@@ -108,6 +113,7 @@ void PlaybackNode::startPlayer() {
     }
     pause();
   }
+  waitForLinks();
   requireSensors();
   waitForLinks();
   std_srvs::SetBool pause;
