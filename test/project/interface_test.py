@@ -18,6 +18,9 @@ ACTION = re.compile(r'\bmake_unique<PlanServer>\(\s*\w+,\s*"([^"]+)"')
 TF = {"/tf", "/tf_static"}
 
 
+ACTION_SERVER = SOURCES / "ros" / "single_goal_server.h"  # its topics are those of every action
+
+
 def own_services():
     return {file.stem for file in (ROOT / "srv").glob("*.srv")} | {"nav_msgs::GetMap"}
 
@@ -53,7 +56,7 @@ def interface_of_code(sources):
     """Sets of (kind, name), and the types of some."""
     found, types = set(), {}
     services = own_services()
-    for file in closure(sources):
+    for file in closure(sources) - {ACTION_SERVER}:
         text = file.read_text()
         for cpp, name in ADVERTISED.findall(text):
             kind = "service" if cpp in services else "out"
