@@ -22,7 +22,7 @@ constexpr double kModeWait_s = 5.0;        // by the wall, for the supervisor's 
 RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle)
     : vehicle_(vehicle),
       writer_(config.output),
-      grid_(config.output),
+      grid_(config.output, causes_),
       level_sets_(config.output),
       gps_(vehicle.gps_antenna.T_base_sensor().position()),
       mode_(FilterStatus::INITIALISING),

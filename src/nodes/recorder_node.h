@@ -64,9 +64,9 @@ class RecorderNode {
 
   core::VehicleConfig vehicle_;
   core::ResultsWriter writer_;
+  CauseLog causes_;
   GridRecord grid_;
   LevelSetRecord level_sets_;
-  CauseLog causes_;
   TrafficMeter traffic_;
   GpsConverter gps_;
   core::LandmarkMirror landmarks_;

@@ -15,7 +15,7 @@ void LatencyHistogram::add(double time_ms) {
   if (!std::isfinite(time_ms)) return;
   const double bin =
       std::ceil(std::log(std::max(time_ms, kSmallest_ms) / kSmallest_ms) / kLogGrowth);
-  ++bins_[std::min(static_cast<std::size_t>(bin), kBins - 1)];
+  ++bins_[static_cast<std::size_t>(std::min(bin, static_cast<double>(kBins - 1)))];
   ++count_;
   max_ms_ = std::max(max_ms_, time_ms);
 }

@@ -1,40 +1,8 @@
 #include "ros/dense_map_mirror.h"
 
-#include <cmath>
-
 #include "ros/grid_conversions.h"
 
 namespace hymm {
-namespace {
-
-/// Cells farther from the map's origin are not counted.
-constexpr double kMostCells = 1e9;
-
-/// Why an image cannot be made of a grid; empty if it can.
-std::string problemOf(const nav_msgs::OccupancyGrid& grid) {
-  const auto resolution_m = static_cast<double>(grid.info.resolution);
-  const auto& origin = grid.info.origin;
-  if (!(resolution_m > 1e-3) || !std::isfinite(resolution_m)) {
-    return "its resolution is " + std::to_string(resolution_m) + " m";
-  }
-  if (grid.data.size() != std::size_t{grid.info.width} * grid.info.height) {
-    return "it has " + std::to_string(grid.data.size()) + " cells, not " +
-           std::to_string(grid.info.width) + " x " + std::to_string(grid.info.height);
-  }
-  const auto cells = static_cast<double>(grid.data.size());  // at least as many as along a side
-  const double far_m =
-      std::abs(origin.position.x) + std::abs(origin.position.y) + resolution_m * cells;
-  if (!(far_m / resolution_m < kMostCells)) return "its origin cannot be used";
-  if (std::abs(origin.orientation.x) + std::abs(origin.orientation.y) +
-          std::abs(origin.orientation.z) >
-      1e-6) {
-    return "it is turned; only maps along the axes of their frame can be used";
-  }
-  return {};
-}
-
-}  // namespace
-
 void DenseMapMirror::subscribe(ros::NodeHandle& handle, TrafficMeter& traffic) {
   const auto hints = ros::TransportHints().tcpNoDelay();
   maps_ = traffic.subscribe(handle, "map", 2, &DenseMapMirror::takeMap, this, hints);

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "ros/time_conversions.h"
 
 namespace hymm {
 namespace {
+
+/// A grid that reaches farther from the map's origin, in cells, is none of a vehicle.
+constexpr double kMostCells = 1e9;
 
 Ltr toMessage(const core::LtrTopology& ltr) {
   Ltr message;
@@ -87,6 +91,28 @@ map_msgs::OccupancyGridUpdate toMessage(const core::OccupancyImage& image,
   return message;
 }
 
+std::string problemOf(const nav_msgs::OccupancyGrid& grid) {
+  const auto resolution_m = static_cast<double>(grid.info.resolution);
+  const auto& origin = grid.info.origin;
+  if (!(resolution_m > 1e-3) || !std::isfinite(resolution_m)) {
+    return "its resolution is " + std::to_string(resolution_m) + " m";
+  }
+  if (grid.data.size() != std::size_t{grid.info.width} * grid.info.height) {
+    return "it has " + std::to_string(grid.data.size()) + " cells, not " +
+           std::to_string(grid.info.width) + " x " + std::to_string(grid.info.height);
+  }
+  const double longest = std::max(grid.info.width, grid.info.height);  // even without any cell
+  const double far_m =
+      std::abs(origin.position.x) + std::abs(origin.position.y) + resolution_m * longest;
+  if (!(far_m / resolution_m < kMostCells)) return "it reaches too far";
+  if (std::abs(origin.orientation.x) + std::abs(origin.orientation.y) +
+          std::abs(origin.orientation.z) >
+      1e-6) {
+    return "it is turned; only maps along the axes of their frame can be used";
+  }
+  return {};
+}
+
 core::OccupancyImage fromMessage(const nav_msgs::OccupancyGrid& message) {
   core::OccupancyImage image;
   // The float of the message stands for a short decimal, as 0.2.
@@ -103,11 +129,13 @@ core::OccupancyImage fromMessage(const nav_msgs::OccupancyGrid& message) {
 }
 
 bool applyUpdate(const map_msgs::OccupancyGridUpdate& update, core::OccupancyImage& image) {
-  const auto width = static_cast<int>(update.width), height = static_cast<int>(update.height);
-  const bool fits = update.x >= 0 && update.y >= 0 && update.x + width <= image.width &&
-                    update.y + height <= image.height &&
+  // In 64 bits: place and size of a message may add up to more than an int holds.
+  const bool fits = update.x >= 0 && update.y >= 0 &&
+                    std::int64_t{update.x} + update.width <= image.width &&
+                    std::int64_t{update.y} + update.height <= image.height &&
                     update.data.size() == std::size_t{update.width} * update.height;
   if (!fits) return false;
+  const auto width = static_cast<int>(update.width), height = static_cast<int>(update.height);
   for (int y = 0; y < height; ++y) {
     const auto row = update.data.begin() + std::ptrdiff_t{y} * width;
     std::copy(

@@ -27,9 +27,12 @@ nav_msgs::OccupancyGrid toMessage(const core::OccupancyImage& image);
 map_msgs::OccupancyGridUpdate toMessage(const core::OccupancyImage& image,
                                         const core::ImagePatch& patch);
 
-/// The image that a grid holds.
+/// Why fromMessage() cannot make an image of a grid; empty if it can.
+std::string problemOf(const nav_msgs::OccupancyGrid& message);
+/// The image that a grid holds, which must have no problem.
 core::OccupancyImage fromMessage(const nav_msgs::OccupancyGrid& message);
-/// Writes an update into an image; false, and nothing changes, where it does not fit.
+/// Writes an update into an image made of a grid; false, and nothing changes, where it does not
+/// fit.
 bool applyUpdate(const map_msgs::OccupancyGridUpdate& update, core::OccupancyImage& image);
 
 /// The memory part of a status, and back.

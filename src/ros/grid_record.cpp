@@ -1,5 +1,7 @@
 #include "ros/grid_record.h"
 
+#include <string>
+
 #include "common/unfinished_file.h"
 #include "hybrid_map/map_export.h"
 #include "ros/grid_conversions.h"
@@ -16,9 +18,14 @@ void GridRecord::subscribe(ros::NodeHandle& handle) {
       handle.subscribe("grid_status", kUnbounded, &GridRecord::takeStatus, this, hints)};
 }
 
-void GridRecord::takeMap(const nav_msgs::OccupancyGrid& message) { image_ = fromMessage(message); }
+void GridRecord::takeMap(const nav_msgs::OccupancyGrid& message) {
+  if (const std::string problem = problemOf(message); !problem.empty()) {
+    causes_.count("dense maps refused", "A dense map on `map` is not recorded: " + problem + ".");
+    return;
+  }
+  image_ = fromMessage(message);
+}
 
-/// One that came before its map does not fit: the map that follows holds it.
 void GridRecord::takeMapUpdate(const map_msgs::OccupancyGridUpdate& message) {
   if (image_) applyUpdate(message, *image_);
 }

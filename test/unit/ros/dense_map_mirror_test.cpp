@@ -67,6 +67,9 @@ TEST(DenseMapMirror, RefusesAndCountsWhatCannotBeUsed) {
   bad = grid();
   bad.info.width = std::numeric_limits<std::uint32_t>::max();
   mirror.takeMap(bad);
+  bad.info.height = 0;
+  bad.data.clear();
+  mirror.takeMap(bad);
   bad = grid();
   bad.info.origin.position.y = 1e300;
   mirror.takeMap(bad);
@@ -78,7 +81,7 @@ TEST(DenseMapMirror, RefusesAndCountsWhatCannotBeUsed) {
   mirror.takeUpdate(update(3));
   EXPECT_THAT(causes.counts(),
               ElementsAre(Pair("dense map updates that do not fit", 1U),
-                          Pair("dense maps in another frame", 1U), Pair("dense maps refused", 5U)));
+                          Pair("dense maps in another frame", 1U), Pair("dense maps refused", 6U)));
   EXPECT_THAT(mirror.takeChanged()->cells, ElementsAre(0, 0, 100, -1, -1, 0));
 }
 

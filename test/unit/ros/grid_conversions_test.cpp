@@ -1,6 +1,7 @@
 #include "ros/grid_conversions.h"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include <Eigen/LU>
@@ -52,6 +53,17 @@ TEST(GridConversions, PatchesThatDoNotFitAreRefused) {
   EXPECT_FALSE(applyUpdate(update, kept));
   update.x = 1;
   update.data.pop_back();
+  EXPECT_FALSE(applyUpdate(update, kept));
+  EXPECT_EQ(kept.cells, image().cells);
+}
+
+TEST(GridConversions, PatchesWhosePlaceAndSizeOverflowAreRefused) {
+  core::OccupancyImage kept = image();
+  map_msgs::OccupancyGridUpdate update = toMessage(image(), {1, 0, 2, 1});
+  update.x = std::numeric_limits<std::int32_t>::max();
+  EXPECT_FALSE(applyUpdate(update, kept));
+  update.x = 1;
+  update.y = std::numeric_limits<std::int32_t>::max();
   EXPECT_FALSE(applyUpdate(update, kept));
   EXPECT_EQ(kept.cells, image().cells);
 }
