@@ -196,6 +196,21 @@ LandmarkLifeCycle::Missed LandmarkLifeCycle::miss(const LaserScan& scan, const O
   return missed;
 }
 
+/// Whether it is known where in the scan the landmark should be, to the separation of landmarks.
+bool LandmarkLifeCycle::isPlaceKnown(const RegisteredLandmark& landmark,
+                                     const CompressedEkf& filter) const {
+  const Pose2 pose = VehicleState::pose(filter);
+  const Vector2d arm = landmark.position - pose.position();
+  Eigen::Matrix<double, 2, 3> H;  // of the landmark's place relative to the vehicle's, by the pose
+  H << -1.0, 0.0, arm.y(), 0.0, -1.0, -arm.x();
+  const Eigen::Matrix<double, 3, 2> cross =
+      filter.vehicleLandmarkCovariance(landmark.slot).topRows<3>();
+  const Matrix2d covariance = H * filter.vehicleCovariance().topLeftCorner<3, 3>() * H.transpose() +
+                              H * cross + (H * cross).transpose() +
+                              filter.covariance(landmark.slot, landmark.slot);
+  return covariance.trace() < config_.min_separation_m * config_.min_separation_m;
+}
+
 void LandmarkLifeCycle::pin(const std::unordered_set<int>& ids) {
   if (ids == told_pins_) return;
   told_pins_ = ids;

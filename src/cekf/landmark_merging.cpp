@@ -73,21 +73,6 @@ double LandmarkLifeCycle::closeLoop(double time_s, CompressedEkf& filter) {
   return duplicates.empty() ? 0.0 : fuse(duplicates, filter);
 }
 
-/// Whether it is known where in the scan the landmark should be, to the separation of landmarks.
-bool LandmarkLifeCycle::isPlaceKnown(const RegisteredLandmark& landmark,
-                                     const CompressedEkf& filter) const {
-  const Pose2 pose = VehicleState::pose(filter);
-  const Vector2d arm = landmark.position - pose.position();
-  Eigen::Matrix<double, 2, 3> H;  // of the landmark's place relative to the vehicle's, by the pose
-  H << -1.0, 0.0, arm.y(), 0.0, -1.0, -arm.x();
-  const Eigen::Matrix<double, 3, 2> cross =
-      filter.vehicleLandmarkCovariance(landmark.slot).topRows<3>();
-  const Matrix2d covariance = H * filter.vehicleCovariance().topLeftCorner<3, 3>() * H.transpose() +
-                              H * cross + (H * cross).transpose() +
-                              filter.covariance(landmark.slot, landmark.slot);
-  return covariance.trace() < config_.min_separation_m * config_.min_separation_m;
-}
-
 double LandmarkLifeCycle::fuse(const std::vector<DuplicateLandmarks>& duplicates,
                                CompressedEkf& filter) {
   std::vector<SparseMeasurement> same_places;
@@ -129,7 +114,7 @@ void LandmarkLifeCycle::takeOver(const RegisteredLandmark& gone, RegisteredLandm
   kept.farthest_seen_m = std::max(kept.farthest_seen_m, gone.farthest_seen_m);
   kept.last_seen_s = std::max(kept.last_seen_s, gone.last_seen_s);
   kept.existence_log_odds = std::max(kept.existence_log_odds, gone.existence_log_odds);
-  if (kept.observations >= config_.confirm_observations) unconfirmed_ids_.erase(kept.id);
+  if (isConfirmed(kept)) unconfirmed_ids_.erase(kept.id);
   const std::set<int> others = distinct_from_[gone.id];
   distinct_from_[kept.id].insert(others.begin(), others.end());
 }

@@ -16,8 +16,6 @@ SERVICE = re.compile(r'\badvertiseService\(\s*"([^"]+)"')
 SUBSCRIBED = re.compile(r'\b(?:subscribe(?:<([\w:]+)>)?|listen)\(\s*(?:\w+,\s*)?"([^"]+)"')
 ACTION = re.compile(r'\bmake_unique<PlanServer>\(\s*\w+,\s*"([^"]+)"')
 TF = {"/tf", "/tf_static"}
-
-
 ACTION_SERVER = SOURCES / "ros" / "single_goal_server.h"  # its topics are those of every action
 
 
