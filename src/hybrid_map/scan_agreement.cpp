@@ -60,9 +60,7 @@ ScanAgreement ScanMatcher::agreement(const HybridMap& map, const LaserScan& scan
   const double clear_m = 2.0 * map.resolution_m();  // before a beam's end: its own obstacle
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
-    const bool is_hit =
-        range >= scan.range_min_m && range < scan.range_max_m && range <= config_.range_m;
-    if (!is_hit) continue;
+    if (!scan.isHit(range) || range > config_.range_m) continue;
     ++beams;
     const double bearing = T_map_laser.yaw_rad + scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));

@@ -31,8 +31,7 @@ Points endsOf(const LaserScan& scan, double range_m, double resolution_m) {
   Points ends;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
-    const bool is_hit = range >= scan.range_min_m && range < scan.range_max_m && range <= range_m;
-    if (!is_hit) continue;
+    if (!scan.isHit(range) || range > range_m) continue;
     const double bearing = scan.bearing(i);
     const Eigen::Vector2d end = range * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
     if (ends.empty() || (end - ends.back()).norm() >= resolution_m) ends.push_back(end);

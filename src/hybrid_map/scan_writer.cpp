@@ -67,8 +67,8 @@ std::size_t ScanWriter::write(const LaserScan& scan, const Pose2& T_map_laser,
   const Eigen::Vector2d start = T_map_laser.position();
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
-    // The maximum itself is how some drivers say "no return"; beyond may as well be a mask.
-    const bool is_measured = range >= scan.range_min_m && range < scan.range_max_m;
+    // No return is told by infinity or the maximum; what lies beyond may as well be a mask.
+    const bool is_measured = scan.isHit(range);
     const bool has_no_return = range > 0.0 && (std::isinf(range) || range == scan.range_max_m);
     const bool is_clear = has_no_return && config_.clear_without_return;
     if (!is_measured && !is_clear) continue;

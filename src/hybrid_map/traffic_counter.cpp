@@ -119,7 +119,7 @@ std::size_t TrafficCounter::look(const LaserScan& scan, const Pose2& T_map_laser
   std::vector<Eigen::Vector2d> run;  // ends of beams side by side that met something that moves
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
-    const bool is_hit = range >= scan.range_min_m && range < scan.range_max_m && range <= range_m;
+    const bool is_hit = scan.isHit(range) && range <= range_m;
     const double bearing = scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
     const Eigen::Vector2d end = T_map_laser * ((is_hit ? range : 0.0) * along);

@@ -18,6 +18,9 @@ struct LaserScan {
   double bearing(std::size_t index) const {
     return angle_min_rad + static_cast<double>(index) * angle_increment_rad;
   }
+
+  /// Whether a range is where a beam ended. The maximum itself is how some drivers say "no return".
+  bool isHit(double range_m) const { return range_m >= range_min_m && range_m < range_max_m; }
 };
 
 }  // namespace hymm::core
