@@ -40,13 +40,15 @@ void CompressedEkf::activate(int slot) {
 }
 
 int CompressedEkf::append(const Vector2d& position, const VehicleJacobian& G, const Matrix2d& noise,
-                          const SlotJacobian& other) {
+                          const SlotJacobian& other, const SlotJacobian& another) {
   flushMotion();
   // As a measurement of zero noise depends on the states, so does the new landmark.
   SparseMeasurement dependence;
   dependence.H_vehicle = G;
   dependence.landmarks[0] = other.slot;
   dependence.H_landmarks[0] = other.G;
+  dependence.landmarks[1] = another.slot;
+  dependence.H_landmarks[1] = another.G;
   const Matrix2d covariance = innovationCovariance(dependence, dependence) + noise;
   const MatrixXd cross = measurementTimesCovariance(dependence);
   const MatrixXd phi = measurementTimesPhi(dependence);
@@ -129,6 +131,17 @@ void CompressedEkf::addVehicleError(int slot, const Vector2d& gain, int vehicle_
   P_.block<2, 2>(row, row) += gain * with_own.transpose() + with_own * gain.transpose() +
                               gain * with_all[vehicle_state] * gain.transpose();
   phi_.block(row, 0, 2, origin_states_) += gain * phi_.block(vehicle_state, 0, 1, origin_states_);
+}
+
+void CompressedEkf::fade(int slot, double kept, const Matrix2d& stationary) {
+  flushMotion();
+  const int row = rowOf(slot), below = states() - row - 2;
+  x_.segment<2>(row) *= kept;
+  P_.block(row, 0, 2, row) *= kept;
+  P_.block<2, 2>(row, row) *= kept * kept;
+  P_.block<2, 2>(row, row) += (1.0 - kept * kept) * stationary;
+  P_.block(row + 2, row, below, 2) *= kept;
+  phi_.block(row, 0, 2, origin_states_) *= kept;
 }
 
 void CompressedEkf::initialiseVehicleStates(int first, const VectorXd& value, const MatrixXd& G,

@@ -112,6 +112,17 @@ void LandmarkConfig::describe(ConfigSchema& schema) {
                 "chi-square gate of their difference");
 }
 
+void LastingErrorConfig::describe(ConfigSchema& schema) {
+  schema.number("range_share", range_share, Range::between(0.0, 0.99),
+                "of the variance that an observation claims of its range, which lasts while the "
+                "landmark is seen from much the same place; 0: each observation errs anew");
+  schema.number("bearing_share", bearing_share, Range::between(0.0, 0.99),
+                "the same of its bearing");
+  schema.number("view_change", view_change, Range::positive(),
+                "change of the way from the landmark to the sensor, as a share of the range, over "
+                "which such an error is forgotten to 1/e");
+}
+
 void ResumptionConfig::describe(ConfigSchema& schema) {
   schema.number(
       "plain_distance_m", plain_distance_m, Range::positive(),
@@ -161,6 +172,7 @@ void CekfSlamConfig::describe(ConfigSchema& schema) {
   schema.group("update", update);
   schema.group("association", association);
   schema.group("landmarks", landmarks);
+  schema.group("lasting_errors", lasting_errors);
   schema.group("resumption", resumption);
   schema.group("gps", gps);
 }

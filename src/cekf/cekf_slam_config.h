@@ -68,6 +68,15 @@ struct LandmarkConfig {
   void describe(ConfigSchema& schema);
 };
 
+/// Errors of sightings that last while a landmark is seen from much the same place.
+struct LastingErrorConfig {
+  double range_share = 0.0;  ///< of the variance that an observation claims
+  double bearing_share = 0.0;
+  double view_change = 0.1;  ///< over which they are forgotten, as a share of the range
+
+  void describe(ConfigSchema& schema);
+};
+
 /// Absolute fixes; off unless asked for.
 struct GpsConfig {
   bool enabled = false;
@@ -103,6 +112,7 @@ struct CekfSlamConfig {
   UpdateConfig update;
   AssociationConfig association;
   LandmarkConfig landmarks;
+  LastingErrorConfig lasting_errors;
   ResumptionConfig resumption;
   GpsConfig gps;
 

@@ -17,15 +17,26 @@
 
 namespace hymm::core {
 
-/// A two-dimensional measurement that depends on the vehicle's states and at most two landmarks.
+/// A two-dimensional measurement that depends on the vehicle's states and a few pairs of others: a
+/// landmark, and another landmark or what else tells on what is measured of it.
 struct SparseMeasurement {
   static constexpr int kNone = -1;
+  enum Pair { kLandmark, kDiameter, kError, kPairs };
 
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();  ///< measured - predicted
   VehicleJacobian H_vehicle;                             ///< 2 x vehicle states, or 2 x 0 for none
-  int landmarks[2] = {kNone, kNone};                     ///< slots
-  Eigen::Matrix2d H_landmarks[2] = {Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()};
+  int landmarks[kPairs] = {kNone, kNone, kNone};         ///< slots
+  Eigen::Matrix2d H_landmarks[kPairs] = {Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero(),
+                                         Eigen::Matrix2d::Zero()};
   Eigen::Matrix2d noise = Eigen::Matrix2d::Identity();
+
+  /// Depends on all but the landmark as another linearisation of it does: they are linear.
+  void dependAs(const SparseMeasurement& other) {
+    for (int k = kDiameter; k < kPairs; ++k) {
+      landmarks[k] = other.landmarks[k];
+      H_landmarks[k] = other.H_landmarks[k];
+    }
+  }
 };
 
 /// How a new landmark depends on one that is there.
@@ -141,9 +152,10 @@ class CompressedEkf {
   void activate(int slot);
 
   /// New active landmark at `position` = g(vehicle, z): covariance G * P_vv * G' + noise; g may
-  /// depend on an active slot as well. Returns its slot.
+  /// depend on active slots as well. Returns its slot.
   int append(const Eigen::Vector2d& position, const VehicleJacobian& G,
-             const Eigen::Matrix2d& noise, const SlotJacobian& other = {});
+             const Eigen::Matrix2d& noise, const SlotJacobian& other = {},
+             const SlotJacobian& another = {});
 
   /// New active pair of states that are no place but something else that measurements depend on,
   /// independent of all others. In all but landmarkCount() and the moves that are told of updates
@@ -157,6 +169,11 @@ class CompressedEkf {
   /// Redefines an active landmark's error: `gain` times the error of a vehicle state is added to it
   /// (P <- T * P * T' with T = I + gain * e'), while the estimates stay.
   void addVehicleError(int slot, const Eigen::Vector2d& gain, int vehicle_state);
+
+  /// An active pair of states goes on as a Gauss-Markov process of mean 0 and covariance
+  /// `stationary`: `kept` of it is left, the rest is renewed (P_ss <- kept^2 * P_ss + (1 - kept^2)
+  /// * stationary).
+  void fade(int slot, double kept, const Eigen::Matrix2d& stationary);
 
   /// Replaces vehicle states [first, first + value.size()) by `value` = g(vehicle, z), of Jacobian
   /// G (wrt all vehicle states) and additional covariance `noise`.

@@ -29,7 +29,7 @@ MatrixXd CompressedEkf::measurementTimesCovariance(const SparseMeasurement& meas
     HP.rightCols(n - nv) +=
         measurement.H_vehicle.lazyProduct(P_.block(nv, 0, n - nv, nv).transpose());
   }
-  for (int k = 0; k < 2; ++k) {
+  for (int k = 0; k < SparseMeasurement::kPairs; ++k) {
     if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
     const int row = rowOf(measurement.landmarks[k]);
     const Matrix2d& H = measurement.H_landmarks[k];
@@ -48,7 +48,7 @@ MatrixXd CompressedEkf::measurementTimesPhi(const SparseMeasurement& measurement
   if (measurement.H_vehicle.cols() > 0) {
     Hphi += measurement.H_vehicle.lazyProduct(phi_.topLeftCorner(vehicle_states_, origin_states_));
   }
-  for (int k = 0; k < 2; ++k) {
+  for (int k = 0; k < SparseMeasurement::kPairs; ++k) {
     if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
     const int row = rowOf(measurement.landmarks[k]);
     Hphi += measurement.H_landmarks[k] * phi_.block(row, 0, 2, origin_states_);
@@ -66,7 +66,7 @@ Matrix2d CompressedEkf::innovationCovariance(const SparseMeasurement& a,
     const VehicleJacobian HP = a.H_vehicle.lazyProduct(vehicleCovariance());
     S += HP.lazyProduct(b.H_vehicle.transpose());
   }
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < SparseMeasurement::kPairs; ++i) {
     if (a.landmarks[i] == SparseMeasurement::kNone) continue;
     const int row = rowOf(a.landmarks[i]);
     if (vehicle_b) {
@@ -74,14 +74,14 @@ Matrix2d CompressedEkf::innovationCovariance(const SparseMeasurement& a,
       S += HP.lazyProduct(b.H_vehicle.transpose());
     }
   }
-  for (int j = 0; j < 2; ++j) {
+  for (int j = 0; j < SparseMeasurement::kPairs; ++j) {
     if (b.landmarks[j] == SparseMeasurement::kNone) continue;
     const int row = rowOf(b.landmarks[j]);
     if (vehicle_a) {
       S += a.H_vehicle.lazyProduct(P_.block(row, 0, 2, nv).transpose()) *
            b.H_landmarks[j].transpose();
     }
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < SparseMeasurement::kPairs; ++i) {
       if (a.landmarks[i] == SparseMeasurement::kNone) continue;
       S += a.H_landmarks[i] * covariance(a.landmarks[i], b.landmarks[j]) *
            b.H_landmarks[j].transpose();
@@ -113,7 +113,7 @@ MatrixXd CompressedEkf::timesMeasurementsTransposed(
       block +=
           HP.bottomLeftCorner(m - j, vehicle_states_).lazyProduct(column.H_vehicle.transpose());
     }
-    for (int k = 0; k < 2; ++k) {
+    for (int k = 0; k < SparseMeasurement::kPairs; ++k) {
       if (column.landmarks[k] == SparseMeasurement::kNone) continue;
       block += HP.block(j, rowOf(column.landmarks[k]), m - j, 2)
                    .lazyProduct(column.H_landmarks[k].transpose());

@@ -40,7 +40,8 @@ void fuseDiameter(const Observation& observation, RegisteredLandmark& landmark) 
 
 LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config,
                                      const AssociationConfig& association,
-                                     const DiameterPrior& diameter, bool at_first_estimates)
+                                     const DiameterPrior& diameter, bool at_first_estimates,
+                                     const LastingErrorConfig& lasting_errors)
     : config_(config),
       at_first_estimates_(at_first_estimates),
       merge_gate_(chiSquareQuantile(config.merge_probability, 2)),
@@ -48,6 +49,7 @@ LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config,
       miss_log_odds_(std::log((1.0 - config.detection_probability) /
                               (1.0 - config.false_detection_probability))),
       diameters_(diameter),
+      lasting_error_model_(lasting_errors),
       tentative_({config.promote_sightings, config.promote_share, config.promote_span_s}),
       duplicate_search_(config, association) {}
 
@@ -144,11 +146,19 @@ int LandmarkLifeCycle::promote(Observation observation, const ObservationSet& se
     by_diameter.G.col(landmark.diameter_state.half) =
         located.G_measurement * diameterGain(observation);
   }
+  landmark.id = next_id_++;
+  SlotJacobian by_error;
+  if (lasting_error_model_.exist()) {
+    const Vector2d at = (VehicleState::pose(filter) * sensor.T_base_sensor).position();
+    landmark.lasting_error = lasting_errors_.add(landmark.id, at, filter);
+    by_error.slot = landmark.lasting_error.slot;
+    by_error.G = -located.G_measurement * lasting_error_model_.factor(observation.covariance);
+    observation.covariance = lasting_error_model_.fresh(observation.covariance);
+  }
   landmark.slot = filter.append(
       located.position, vehicleJacobian(located, sensor, filter.vehicleStates()),
       located.G_measurement * observation.covariance * located.G_measurement.transpose(),
-      by_diameter);
-  landmark.id = next_id_++;
+      by_diameter, by_error);
   landmark.identity = observation.identity;
   landmark.type = observation.type;
   landmark.observations = 1;
@@ -166,6 +176,26 @@ int LandmarkLifeCycle::promote(Observation observation, const ObservationSet& se
   }
   ++counts_.created;
   return landmark.slot;
+}
+
+void LandmarkLifeCycle::beginLastingErrors(const SensorPlacement& sensor,
+                                           ScanAssociation& association, CompressedEkf& filter) {
+  if (!lasting_error_model_.exist()) return;
+  const Vector2d at = (VehicleState::pose(filter) * sensor.T_base_sensor).position();
+  for (std::size_t k = 0; k < association.measurements.size(); ++k) {
+    SparseMeasurement& measurement = association.measurements[k];
+    if (measurement.landmarks[SparseMeasurement::kError] != SparseMeasurement::kNone) continue;
+    RegisteredLandmark& landmark =
+        registry_.bySlot(measurement.landmarks[SparseMeasurement::kLandmark]);
+    landmark.lasting_error = lasting_errors_.add(landmark.id, at, filter);
+    lasting_error_model_.include(landmark.lasting_error, filter, association.sightings[k],
+                                 measurement);
+  }
+}
+
+void LandmarkLifeCycle::forgetLastingErrors(const SensorPlacement& sensor, CompressedEkf& filter) {
+  const Vector2d at = (VehicleState::pose(filter) * sensor.T_base_sensor).position();
+  lasting_errors_.removeForgotten(at, lasting_error_model_, registry_, filter);
 }
 
 LandmarkLifeCycle::Missed LandmarkLifeCycle::miss(const LaserScan& scan, const ObservationSet& set,
@@ -237,6 +267,7 @@ void LandmarkLifeCycle::dropUnconfirmed(double time_s, CompressedEkf& filter) {
 void LandmarkLifeCycle::drop(int id, CompressedEkf& filter) {
   filter.remove(registry_.byId(id).slot);
   diameters_.remove(registry_.byId(id).diameter_state, filter);
+  lasting_errors_.remove(registry_.byId(id), filter);
   registry_.remove(id);
   distinct_from_.erase(id);
   unconfirmed_ids_.erase(id);
@@ -305,6 +336,7 @@ void LandmarkLifeCycle::clear() {
   registry_.clear();
   tentative_.clear();
   diameters_.clear();
+  lasting_errors_.clear();
   merges_.clear();
   merges_taken_ = 0;
   changed_ids_.clear();

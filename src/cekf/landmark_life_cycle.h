@@ -13,6 +13,7 @@
 #include "cekf/duplicate_search.h"
 #include "cekf/landmark_map.h"
 #include "cekf/landmark_registry.h"
+#include "cekf/lasting_errors.h"
 #include "cekf/scan_associator.h"
 #include "cekf/tentative_landmarks.h"
 #include "perception/laser_scan.h"
@@ -36,7 +37,15 @@ class LandmarkLifeCycle {
   };
 
   LandmarkLifeCycle(const LandmarkConfig& config, const AssociationConfig& association,
-                    const DiameterPrior& diameter = {}, bool at_first_estimates = false);
+                    const DiameterPrior& diameter = {}, bool at_first_estimates = false,
+                    const LastingErrorConfig& lasting_errors = {});
+
+  /// Lets the measurements of landmarks that come into view depend on the lasting errors of their
+  /// sightings, which begin here.
+  void beginLastingErrors(const SensorPlacement& sensor, ScanAssociation& association,
+                          CompressedEkf& filter);
+  /// Forgets the lasting errors of sightings from elsewhere.
+  void forgetLastingErrors(const SensorPlacement& sensor, CompressedEkf& filter);
 
   /// Notes what the associated observations say of their landmarks.
   void confirm(const ObservationSet& set, const ScanAssociation& association,
@@ -109,9 +118,9 @@ class LandmarkLifeCycle {
   void describeState(Archive& archive) {
     std::vector<std::pair<int, int>> merges;
     for (const LandmarkMerge& merge : merges_) merges.emplace_back(merge.from_id, merge.into_id);
-    archive(registry_, diameters_, tentative_, searched_s_, merges, merges_taken_, changed_ids_,
-            removed_ids_, unconfirmed_ids_, told_pins_, pinned_ids_, distinct_from_, scan_number_,
-            next_id_);
+    archive(registry_, diameters_, lasting_errors_, tentative_, searched_s_, merges, merges_taken_,
+            changed_ids_, removed_ids_, unconfirmed_ids_, told_pins_, pinned_ids_, distinct_from_,
+            scan_number_, next_id_);
     if constexpr (Archive::kReads) {
       merges_.clear();
       for (const auto& [from, into] : merges) merges_.push_back({from, into});
@@ -142,6 +151,8 @@ class LandmarkLifeCycle {
   double hit_log_odds_, miss_log_odds_;
   LandmarkRegistry registry_;
   DiameterStates diameters_;
+  LastingErrorModel lasting_error_model_;
+  LastingErrors lasting_errors_;
   TentativeLandmarks tentative_;
   DuplicateSearch duplicate_search_;
   double searched_s_ = -std::numeric_limits<double>::infinity();  ///< for duplicates

@@ -8,6 +8,7 @@
 
 #include "cekf/diameter_states.h"
 #include "cekf/landmark_index.h"
+#include "cekf/lasting_errors.h"
 #include "perception/observation.h"
 
 namespace hymm::core {
@@ -18,9 +19,10 @@ struct RegisteredLandmark {
   int slot = -1;      ///< in the filter
   int identity = -1;  ///< as the sensor reads it, where it does
   LandmarkType type = LandmarkType::kUnknown;
-  double diameter_m = 0.0;         ///< NaN where unknown
-  double diameter_variance = 0.0;  ///< m^2, NaN where unknown
-  DiameterState diameter_state;    ///< of which these two are copies, if it exists
+  double diameter_m = 0.0;          ///< NaN where unknown
+  double diameter_variance = 0.0;   ///< m^2, NaN where unknown
+  DiameterState diameter_state;     ///< of which these two are copies, if it exists
+  LastingErrorState lasting_error;  ///< of its sightings
   int observations = 0;
   double first_seen_s = 0.0;
   double last_seen_s = 0.0;
@@ -35,7 +37,7 @@ struct RegisteredLandmark {
   void describeState(Archive& archive) {
     archive(id, slot, identity, type, diameter_m, diameter_variance, diameter_state, observations,
             first_seen_s, last_seen_s, farthest_seen_m, existence_log_odds, position, deviation_m,
-            linearised_at);
+            linearised_at, lasting_error);
   }
 };
 

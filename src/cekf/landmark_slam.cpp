@@ -38,14 +38,15 @@ LandmarkSlam::LandmarkSlam(const CekfSlamConfig& config, const VehicleConfig& ve
       vehicle_config_(vehicle),
       global_updates_(global_updates),
       perception_(config.perception),
-      associator_(config.association, config.update.atFirstEstimates()
-                                          ? std::optional(config.update.relinearise_m)
-                                          : std::nullopt),
+      associator_(config.association,
+                  config.update.atFirstEstimates() ? std::optional(config.update.relinearise_m)
+                                                   : std::nullopt,
+                  config.lasting_errors),
       scan_update_(config.update.atFirstEstimates()
                        ? ScanUpdate(config.update.max_iterations, config.large_correction_m)
                        : ScanUpdate(config.update.max_iterations)),
       life_cycle_(config.landmarks, config.association, diameterPrior(config.perception.trunks),
-                  config.update.atFirstEstimates()),
+                  config.update.atFirstEstimates(), config.lasting_errors),
       pins_(config.landmarks.pin_delay_s),
       area_(config.active_area),
       estimate_(newEstimate()) {}
@@ -196,6 +197,7 @@ SensorPlacement LandmarkSlam::sensorPlacement(const ObservationSet& set) const {
 bool LandmarkSlam::update(const ObservationSet& set, ScanAssociation& association,
                           ScanOutcome& outcome) {
   if (association.measurements.empty()) return true;
+  life_cycle_.beginLastingErrors(sensorPlacement(set), association, estimate_.filter);
   const UpdateOutcome update = scan_update_.update(set, association, estimate_.vehicle,
                                                    life_cycle_.registry(), estimate_.filter);
   if (!std::isfinite(update.nis)) {
@@ -221,6 +223,7 @@ void LandmarkSlam::finish(ObservationSet set, const LaserScan* scan,
     const std::vector<int> none(association.slots.size(), ScanAssociation::kNone);
     countObservations(association, none, 0, outcome);
   }
+  life_cycle_.forgetLastingErrors(sensorPlacement(set), estimate_.filter);
   if (outcome.largest_correction_m > config_.large_correction_m) spreadCorrection();
   const Eigen::Matrix3d relative = covarianceAmongSeen(association);
   keepActiveArea();

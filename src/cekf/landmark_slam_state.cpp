@@ -7,7 +7,7 @@ namespace hymm::core {
 namespace {
 
 constexpr const char* kStateKind = "hymm landmarks";
-constexpr std::uint32_t kStateVersion = 1;
+constexpr std::uint32_t kStateVersion = 2;
 
 }  // namespace
 
@@ -57,8 +57,11 @@ void LandmarkSlam::restoreState(std::string_view bytes, const std::string& name)
   archive.requireEnd();
   for (const RegisteredLandmark& landmark : life_cycle_.registry().slots()) {
     const DiameterState& diameter = landmark.diameter_state;
-    const bool is_there = landmark.id < 0 || (estimate_.filter.holds(landmark.slot) &&
-                                              (!diameter.exists() || isThere(diameter)));
+    const LastingErrorState& error = landmark.lasting_error;
+    const bool is_there =
+        landmark.id < 0 ||
+        (estimate_.filter.holds(landmark.slot) && (!diameter.exists() || isThere(diameter)) &&
+         (!error.exists() || estimate_.filter.holds(error.slot)));
     archive.require(is_there, "a landmark has no estimate");
   }
 }

@@ -81,8 +81,9 @@ std::optional<SparseMeasurement> PathClosing::tryPair(
     SparseMeasurement measurement = landmarkMeasurement(
         conditioned, T_map_base, sensor, {slot, filter.landmark(slot)}, filter.vehicleStates());
     if (by_diameter) {
-      measurement.landmarks[1] = diameter.slot;
-      measurement.H_landmarks[1].col(diameter.half) = -diameterGain(conditioned);
+      measurement.landmarks[SparseMeasurement::kDiameter] = diameter.slot;
+      measurement.H_landmarks[SparseMeasurement::kDiameter].col(diameter.half) =
+          -diameterGain(conditioned);
     }
     const Vector2d innovation = measurement.innovation + measurement.H_vehicle * vehicle_change;
     const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise;
@@ -147,8 +148,7 @@ PathClosing::Measurements PathClosing::linearised(
     const Vector2d at = landmarks_at ? filter.landmarkAmong(*landmarks_at, slot) : landmark;
     SparseMeasurement now = landmarkMeasurement(association.sightings[k], pose, sensor, {slot, at},
                                                 filter.vehicleStates());
-    now.landmarks[1] = before.landmarks[1];  // which is linear
-    now.H_landmarks[1] = before.H_landmarks[1];
+    now.dependAs(before);
     now.innovation += now.H_vehicle * vehicle_change + now.H_landmarks[0] * (at - landmark);
     result.push_back(now);
   }

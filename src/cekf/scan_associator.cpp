@@ -36,8 +36,10 @@ double diameterCost(const Observation& observation, const RegisteredLandmark& la
 
 }  // namespace
 
-ScanAssociator::ScanAssociator(const AssociationConfig& config, std::optional<double> relinearise_m)
+ScanAssociator::ScanAssociator(const AssociationConfig& config, std::optional<double> relinearise_m,
+                               const LastingErrorConfig& lasting_errors)
     : config_(config),
+      lasting_errors_(lasting_errors),
       relinearise_m_(relinearise_m),
       individual_gate_(chiSquareQuantile(config.individual_probability, 2)),
       wider_gate_(
@@ -62,8 +64,13 @@ SparseMeasurement ScanAssociator::measure(Observation& sighting, const SensorPla
   SparseMeasurement measurement = landmarkMeasurement(
       sighting, pose, sensor, {landmark.slot, filter.landmark(landmark.slot)}, states);
   if (by_diameter) {
-    measurement.landmarks[1] = diameter.slot;
-    measurement.H_landmarks[1].col(diameter.half) = -diameterGain(sighting);
+    measurement.landmarks[SparseMeasurement::kDiameter] = diameter.slot;
+    measurement.H_landmarks[SparseMeasurement::kDiameter].col(diameter.half) =
+        -diameterGain(sighting);
+  }
+  if (landmark.lasting_error.exists()) {
+    lasting_errors_.goOn((pose * sensor.T_base_sensor).position(), landmark, filter);
+    lasting_errors_.include(landmark.lasting_error, filter, sighting, measurement);
   }
   if (relinearise_m_) {
     const Vector2d place = filter.landmark(landmark.slot);

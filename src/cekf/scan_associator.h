@@ -7,6 +7,7 @@
 #include "cekf/compressed_ekf.h"
 #include "cekf/joint_compatibility.h"
 #include "cekf/landmark_registry.h"
+#include "cekf/lasting_errors.h"
 #include "cekf/observation_model.h"
 #include "perception/observation.h"
 
@@ -20,7 +21,8 @@ struct ScanAssociation {
   std::vector<bool> claimed;  ///< by observation: too near a landmark to be a new one
   std::vector<bool> ignored;  ///< by observation: without identity, where the set has identities
   std::vector<SparseMeasurement> measurements;  ///< of the observations with a landmark
-  /// By measurement: the observation, as it is for the diameter that the filter holds.
+  /// By measurement: the observation, as it is for the diameter and the lasting error that the
+  /// filter holds.
   std::vector<Observation> sightings;
   int ambiguous = 0;     ///< observations with two or more compatible landmarks
   bool complete = true;  ///< false: there was too much to choose from, and the search was cut short
@@ -34,7 +36,8 @@ class ScanAssociator {
   /// Measurements are linearised at the latest estimates; with `relinearise_m`, at the places that
   /// the landmarks' covariances belong to, which follow where an estimate has moved by more.
   explicit ScanAssociator(const AssociationConfig& config,
-                          std::optional<double> relinearise_m = std::nullopt);
+                          std::optional<double> relinearise_m = std::nullopt,
+                          const LastingErrorConfig& lasting_errors = {});
 
   ScanAssociation associate(const ObservationSet& set, const SensorPlacement& sensor,
                             LandmarkRegistry& registry, CompressedEkf& filter) const;
@@ -60,7 +63,7 @@ class ScanAssociator {
                             const CompressedEkf& filter) const;
   bool isPlaceKnown(const Eigen::Matrix2d& S, double chance_density) const;
   /// The measurement of a landmark, which is made active. `sighting`: the observation, which
-  /// becomes what it is for the landmark's diameter.
+  /// becomes what it is for the landmark's diameter and the lasting error of its sightings.
   SparseMeasurement measure(Observation& sighting, const SensorPlacement& sensor,
                             RegisteredLandmark& landmark, CompressedEkf& filter) const;
   void associateByIdentity(const ObservationSet& set, const SensorPlacement& sensor,
@@ -78,6 +81,7 @@ class ScanAssociator {
                      ScanAssociation& result) const;
 
   AssociationConfig config_;
+  LastingErrorModel lasting_errors_;
   std::optional<double> relinearise_m_;
   double individual_gate_;
   double wider_gate_;  ///< of that and the gate around which no new landmark starts

@@ -51,8 +51,7 @@ UpdateOutcome ScanUpdate::update(const ObservationSet& set, const ScanAssociatio
       SparseMeasurement now =
           landmarkMeasurement(association.sightings[k], Pose2::fromVector(at.head<3>()), sensor,
                               {slot, filter.landmarkAmong(*states, slot)}, filter.vehicleStates());
-      now.landmarks[1] = before.landmarks[1];  // which is linear
-      now.H_landmarks[1] = before.H_landmarks[1];
+      now.dependAs(before);
       const Vector2d neglected = now.innovation - before.innovation +
                                  predictedChange(before, filter, vehicle_change, *states);
       worst2 = std::max(worst2, neglected.dot(now.noise.inverse() * neglected));

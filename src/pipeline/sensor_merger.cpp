@@ -17,11 +17,19 @@ void insertByTime(Queue& queue, Pending pending) {
   queue.insert(place, std::move(pending));
 }
 
+void delay(MotionInput& input, double delay_s) {
+  std::visit([&](auto& told) { told.time_s += delay_s; }, input);
+}
+
 }  // namespace
 
 void SensorMergerConfig::describe(ConfigSchema& schema) {
   schema.number("motion_wait_s", motion_wait_s, Range::between(0.0, 10.0),
                 "longest wait of a scan for motion at or past its stamp (live only)");
+  schema.number(
+      "motion_delay_s", motion_delay_s, Range::between(0.0, 5.0),
+      "from a motion input's stamp to when the vehicle moves so: of odometry that is what "
+      "the drive was told, or what a slow filter made of it");
   schema.number("clock_jump_s", clock_jump_s, Range::positive(),
                 "events older than the newest by more than this may belong to a new recording");
   schema.integer("clock_jump_events", clock_jump_events, Range::between(1, 1000),
@@ -31,11 +39,13 @@ void SensorMergerConfig::describe(ConfigSchema& schema) {
 SensorMerger::SensorMerger(const SensorMergerConfig& config) : config_(config) {}
 
 void SensorMerger::push(SensorEvent event, double now_s) {
+  auto* const motion = std::get_if<MotionInput>(&event);
+  const bool is_motion = motion != nullptr;
+  if (is_motion) delay(*motion, config_.motion_delay_s);
   const double time_s = timeOf(event);
   Pending pending{std::move(event), time_s, now_s};
   // Compared within its kind: live, one topic may come later than another by seconds of a fast
   // playback, but each is in order.
-  const bool is_motion = std::holds_alternative<MotionInput>(pending.event);
   const double newest_s = is_motion ? newest_motion_s_ : newest_s_;
   if (time_s < newest_s - config_.clock_jump_s) {
     suspects_.push_back(std::move(pending));

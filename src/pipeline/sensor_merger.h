@@ -12,6 +12,7 @@ namespace hymm::core {
 
 struct SensorMergerConfig {
   double motion_wait_s = 0.1;
+  double motion_delay_s = 0.0;
   double clock_jump_s = 1.0;
   int clock_jump_events = 3;
 
@@ -21,9 +22,10 @@ struct SensorMergerConfig {
 /// Merges sensor streams by stamp, so that a filter sees the same order live and offline. Motion
 /// inputs are kept until a scan, observation set or fix needs them; that one is released, behind
 /// the motion up to its stamp, as soon as motion at or past its stamp has come, or when it has
-/// waited long enough. Events older than what was released are dropped and counted; a run of them,
-/// all older than the newest by more than clock_jump_s, is a new recording: what is left of the old
-/// one comes first, then a ClockReset, then the new events.
+/// waited long enough. Motion inputs get the stamps at which the vehicle does what they say. Events
+/// older than what was released are dropped and counted; a run of them, all older than the newest
+/// by more than clock_jump_s, is a new recording: what is left of the old one comes first, then a
+/// ClockReset, then the new events.
 class SensorMerger {
  public:
   struct Counts {

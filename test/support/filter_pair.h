@@ -81,6 +81,12 @@ class FilterPair {
     full_.addVehicleError(id, gain, vehicle_state);
   }
 
+  void fade(int id, double kept, const Eigen::Matrix2d& stationary) {
+    compressed_.activate(slots_.at(id));
+    compressed_.fade(slots_.at(id), kept, stationary);
+    full_.fade(id, kept, stationary);
+  }
+
   void update(const std::vector<Row>& compressed_rows, const std::vector<Row>& full_rows) {
     std::vector<core::SparseMeasurement> measurements;
     for (const Row& row : compressed_rows) measurements.push_back(sparse(row));

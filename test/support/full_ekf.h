@@ -93,6 +93,14 @@ class FullEkf {
     P_ = (T * P_ * T.transpose()).eval();
   }
 
+  void fade(int id, double kept, const Eigen::Matrix2d& stationary) {
+    Eigen::MatrixXd T = Eigen::MatrixXd::Identity(x_.size(), x_.size());
+    T.block<2, 2>(index(id), index(id)) *= kept;
+    x_ = (T * x_).eval();
+    P_ = (T * P_ * T.transpose()).eval();
+    P_.block<2, 2>(index(id), index(id)) += (1.0 - kept * kept) * stationary;
+  }
+
   Eigen::Index index(int id) const { return index_.at(id); }
   const std::map<int, Eigen::Index>& landmarks() const { return index_; }
   const Eigen::VectorXd& state() const { return x_; }

@@ -33,6 +33,7 @@ enum class Kind {
   kFix,
   kInitialise,
   kAddVehicleError,
+  kFade,
   kGlobalUpdate,
   kFinishGlobalUpdate
 };
@@ -45,9 +46,9 @@ struct Step {
 };
 
 void showValue(const Step& step, std::ostream& stream) {
-  static const char* const kNames[] = {"predict",       "append", "remove",     "observe",
-                                       "fuse",          "fix",    "initialise", "vehicle error",
-                                       "global update", "finish"};
+  static const char* const kNames[] = {"predict", "append",        "remove",     "observe",
+                                       "fuse",    "fix",           "initialise", "vehicle error",
+                                       "fade",    "global update", "finish"};
   stream << kNames[static_cast<int>(step.kind)] << ' ' << step.chance;
 }
 
@@ -60,6 +61,7 @@ rc::Gen<std::vector<Step>> anyHistory() {
                                                     {1, Kind::kFix},
                                                     {1, Kind::kInitialise},
                                                     {2, Kind::kAddVehicleError},
+                                                    {2, Kind::kFade},
                                                     {2, Kind::kGlobalUpdate},
                                                     {1, Kind::kFinishGlobalUpdate}});
   // Twice as long as RapidCheck would make them: short histories find little.
@@ -104,6 +106,8 @@ class RandomFilters {
       case Kind::kAddVehicleError:
         if (filters_.slots().empty()) return;
         return filters_.addVehicleError(anyLandmark(), randomMatrix(generator_, 2, 1, 1.0), 2);
+      case Kind::kFade:
+        return fade();
       case Kind::kGlobalUpdate:
         filters_.compressed().globalUpdate();
         return;
@@ -158,7 +162,10 @@ class RandomFilters {
     std::vector<test::FilterPair::Row> rows;
     for (int k = 0; k < 3; ++k) {
       rows.push_back(vehicleRow());
-      rows.back().H_landmarks.emplace_back(anyLandmark(), randomMatrix(generator_, 2, 2, 1.0));
+      // Of one landmark, and of up to two pairs of other states.
+      for (int pair = 0; pair <= k; ++pair) {
+        rows.back().H_landmarks.emplace_back(anyLandmark(), randomMatrix(generator_, 2, 2, 1.0));
+      }
     }
     filters_.update(rows);
   }
@@ -172,6 +179,13 @@ class RandomFilters {
                       MatrixXd(2, 0),
                       {{a, Matrix2d::Identity()}, {b, -Matrix2d::Identity()}},
                       1e-2 * Matrix2d::Identity()}});
+  }
+
+  void fade() {
+    if (filters_.slots().empty()) return;
+    const double kept = sampleUniform(generator_, 0.0, 1.0);
+    const MatrixXd root = randomMatrix(generator_, 2, 2, 1.0);
+    filters_.fade(anyLandmark(), kept, root * root.transpose());
   }
 
   void initialise() {

@@ -51,6 +51,18 @@ TEST(SensorMerger, SortsByStampWhateverTheOrderOfArrival) {
   EXPECT_THAT(signature(merger.popReady()), ElementsAre(1.0, -1.05, 1.1, -1.15));
 }
 
+TEST(SensorMerger, LetsMotionCountWhenTheVehicleDoesIt) {
+  SensorMergerConfig config;
+  config.motion_delay_s = 0.2;
+  SensorMerger merger(config);
+  merger.push(motion(1.0));
+  merger.push(detections(1.1));  // until 1.2 the vehicle does not do what it was told at 1.0
+  EXPECT_THAT(signature(merger.popReady()), ElementsAre(-1.1));
+  merger.push(motion(1.1));
+  merger.push(detections(1.25));
+  EXPECT_THAT(signature(merger.popReady()), ElementsAre(1.2, -1.25));
+}
+
 TEST(SensorMerger, ReleasesAScanWithoutMotionAfterItsWait) {
   SensorMerger merger({});
   merger.push(motion(1.0), 10.0);
