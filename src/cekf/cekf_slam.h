@@ -45,6 +45,7 @@ class CekfSlam {
     std::size_t associated = 0;
     std::size_t rejected = 0;
     std::size_t bounded_associations = 0;  ///< scans too dense for association.max_nodes
+    std::size_t slips = 0;                 ///< scans that only a worse motion explained
     std::size_t gps_used = 0;
     std::size_t gps_rejected = 0;
     std::size_t landmarks_created = 0;

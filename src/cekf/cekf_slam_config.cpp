@@ -71,6 +71,16 @@ void AssociationConfig::describe(ConfigSchema& schema) {
       "in sets where some observations carry an identity: associate the others by position");
 }
 
+void SlipConfig::describe(ConfigSchema& schema) {
+  schema.number(
+      "factor", factor, Range::between(1.0, 100.0),
+      "by which the motion since the last explained scan may have been worse than it claims, "
+      "where that explains what else would be explained by nothing");
+  schema.number("probability", probability, Range::between(0.0, 0.5),
+                "of that, before any one scan: the odds that the explanation has to be worth; 0: "
+                "never");
+}
+
 void LandmarkConfig::describe(ConfigSchema& schema) {
   schema.integer("promote_sightings", promote_sightings, Range::between(1, 100),
                  "scans that must see an object before it becomes a landmark");
@@ -171,6 +181,7 @@ void CekfSlamConfig::describe(ConfigSchema& schema) {
   schema.group("active_area", active_area);
   schema.group("update", update);
   schema.group("association", association);
+  schema.group("slip", slip);
   schema.group("landmarks", landmarks);
   schema.group("lasting_errors", lasting_errors);
   schema.group("resumption", resumption);

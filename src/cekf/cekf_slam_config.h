@@ -31,8 +31,8 @@ struct UpdateConfig {
 struct AssociationConfig {
   std::string method = "joint";              ///< or "nearest"
   double individual_probability = 0.9999;    ///< chi-square gate of one observation
-  double unpaired_probability = 0.99;        ///< of the quantile that leaving one out costs
-  double joint_probability = 0.99;           ///< chi-square gate of a whole scan
+  double unpaired_probability = 0.9999;      ///< of the quantile that leaving one out costs
+  double joint_probability = 0.9999;         ///< chi-square gate of a whole scan
   double unmapped_density_per_m2 = 0.01;     ///< of objects that are not in the map
   double coincidence_probability = 0.05;     ///< below which pairings count as proven
   double new_landmark_probability = 0.9999;  ///< an observation inside this gate is no new landmark
@@ -41,6 +41,14 @@ struct AssociationConfig {
   bool use_diameter = true;
   double diameter_irregularity_m = 0.1;  ///< how much a trunk's diameter differs by side
   bool use_unidentified = true;          ///< observations without identity, where others have one
+
+  void describe(ConfigSchema& schema);
+};
+
+/// Motion that is worse than its noise claims: wheels that slip, a tail of an error's distribution.
+struct SlipConfig {
+  double factor = 3.0;         ///< on the deviations of the motion since the last explained scan
+  double probability = 0.001;  ///< of a scan before which it happens; 0: never
 
   void describe(ConfigSchema& schema);
 };
@@ -111,6 +119,7 @@ struct CekfSlamConfig {
   ActiveAreaConfig active_area;
   UpdateConfig update;
   AssociationConfig association;
+  SlipConfig slip;
   LandmarkConfig landmarks;
   LastingErrorConfig lasting_errors;
   ResumptionConfig resumption;

@@ -26,6 +26,12 @@ DiameterPrior diameterPrior(const TrunkConfig& trunks) {
           (trunks.max_diameter_m - trunks.min_diameter_m) / std::sqrt(12.0)};
 }
 
+/// Whether at least half of the observations, and one, are of landmarks.
+bool isExplained(const ScanAssociation& association) {
+  return !association.measurements.empty() &&
+         2 * association.measurements.size() >= association.slots.size();
+}
+
 double share(int part, int whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
 }
@@ -165,11 +171,32 @@ ScanOutcome LandmarkSlam::processSet(Sight sight, Instant start) {
   ScanOutcome outcome;
   ObservationSet& set = *sight.set;
   begin(set);
-  ScanAssociation association =
-      associator_.associate(set, sensorPlacement(set), life_cycle_.registry(), estimate_.filter);
+  ScanAssociation association = associate(set);
   const bool updated = update(set, association, outcome);
   finish(std::move(set), sight.scan, association, updated, start, outcome);
   return outcome;
+}
+
+ScanAssociation LandmarkSlam::associate(const ObservationSet& set) {
+  const SensorPlacement sensor = sensorPlacement(set);
+  LandmarkRegistry& registry = life_cycle_.registry();
+  CompressedEkf& filter = estimate_.filter;
+  ScanAssociation association = associator_.associate(set, sensor, registry, filter);
+  if (isExplained(association)) {
+    estimate_.vehicle.beginMotionNoise();
+    return association;
+  }
+  if (!(config_.slip.probability > 0.0)) return association;
+  const double worse = config_.slip.factor * config_.slip.factor - 1.0;
+  const VehicleMatrix more = worse * estimate_.vehicle.motionNoise();
+  ScanAssociation slipped = associator_.associate(set, sensor, registry, filter, &more);
+  const double gained = slipped.log_odds - association.log_odds;
+  if (!isExplained(slipped) || gained < -std::log(config_.slip.probability)) return association;
+  const VehicleMatrix still = VehicleMatrix::Identity(more.rows(), more.cols());
+  filter.predict(filter.vehicle(), still, more);
+  estimate_.vehicle.beginMotionNoise();
+  ++counts_.slips;
+  return slipped;
 }
 
 void LandmarkSlam::begin(ObservationSet& set) {

@@ -85,6 +85,10 @@ class LandmarkSlam {
   void takeMotion(const MotionInput& input);
   /// Takes the vehicle to where it should be at the time of the set.
   void begin(ObservationSet& set);
+  /// Finds the landmarks of a set. Where the motion as it claims to be leaves most of the
+  /// observations without one, and a motion much worse than that would not, it was worse: the
+  /// vehicle's covariance grows by it.
+  ScanAssociation associate(const ObservationSet& set);
   /// What follows from a set once the filter has learnt from it. `scan`: that shows what was
   /// missed; may be null. `updated` false: the update was refused.
   void finish(ObservationSet set, const LaserScan* scan, const ScanAssociation& association,

@@ -34,6 +34,23 @@ double diameterCost(const Observation& observation, const RegisteredLandmark& la
   return std::isfinite(cost) ? cost : 0.0;
 }
 
+/// What further covariance of the vehicle's states does to a measurement.
+Matrix2d covarianceFrom(const VehicleMatrix* more, const SparseMeasurement& measurement) {
+  if (more == nullptr) return Matrix2d::Zero();
+  const VehicleJacobian HP = measurement.H_vehicle.lazyProduct(*more);
+  return HP.lazyProduct(measurement.H_vehicle.transpose());
+}
+
+/// The same of all, jointly.
+Eigen::MatrixXd covarianceFrom(const VehicleMatrix& more,
+                               const std::vector<SparseMeasurement>& measurements) {
+  Eigen::MatrixXd H(2 * static_cast<Eigen::Index>(measurements.size()), more.cols());
+  for (std::size_t k = 0; k < measurements.size(); ++k) {
+    H.middleRows<2>(2 * static_cast<Eigen::Index>(k)) = measurements[k].H_vehicle;
+  }
+  return H * more * H.transpose();
+}
+
 }  // namespace
 
 ScanAssociator::ScanAssociator(const AssociationConfig& config, std::optional<double> relinearise_m,
@@ -88,7 +105,8 @@ bool ScanAssociator::isPlaceKnown(const Matrix2d& S, double chance_density) cons
 }
 
 ScanAssociation ScanAssociator::associate(const ObservationSet& set, const SensorPlacement& sensor,
-                                          LandmarkRegistry& registry, CompressedEkf& filter) const {
+                                          LandmarkRegistry& registry, CompressedEkf& filter,
+                                          const VehicleMatrix* more) const {
   const std::size_t n = set.observations.size();
   ScanAssociation result;
   result.slots.assign(n, ScanAssociation::kNone);
@@ -98,7 +116,7 @@ ScanAssociation ScanAssociator::associate(const ObservationSet& set, const Senso
   const bool has_identities =
       std::any_of(set.observations.begin(), set.observations.end(),
                   [](const Observation& observation) { return observation.identity >= 0; });
-  if (has_identities) associateByIdentity(set, sensor, registry, filter, result);
+  if (has_identities) associateByIdentity(set, sensor, registry, filter, more, result);
 
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < n; ++i) {
@@ -108,21 +126,21 @@ ScanAssociation ScanAssociator::associate(const ObservationSet& set, const Senso
       continue;
     }
     const auto compatible =
-        compatibleLandmarks(set, sensor, static_cast<int>(i), registry, filter, result);
+        compatibleLandmarks(set, sensor, static_cast<int>(i), registry, filter, more, result);
     if (compatible.size() >= 2) ++result.ambiguous;
     candidates.insert(candidates.end(), compatible.begin(), compatible.end());
   }
   if (config_.method == "nearest") {
     chooseNearest(candidates, result);
   } else if (!candidates.empty()) {
-    chooseJointly(candidates, filter, result);
+    chooseJointly(candidates, filter, more, result);
   }
   return result;
 }
 
 void ScanAssociator::associateByIdentity(const ObservationSet& set, const SensorPlacement& sensor,
                                          LandmarkRegistry& registry, CompressedEkf& filter,
-                                         ScanAssociation& result) const {
+                                         const VehicleMatrix* more, ScanAssociation& result) const {
   for (std::size_t i = 0; i < set.observations.size(); ++i) {
     const Observation& observation = set.observations[i];
     if (observation.identity < 0) continue;
@@ -131,7 +149,8 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, const Sensor
     result.claimed[i] = true;
     Observation sighting = observation;
     const SparseMeasurement measurement = measure(sighting, sensor, *landmark, filter);
-    const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise;
+    const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise +
+                       covarianceFrom(more, measurement);
     const bool seen_twice =
         std::find(result.slots.begin(), result.slots.end(), landmark->slot) != result.slots.end();
     if (seen_twice ||
@@ -141,17 +160,22 @@ void ScanAssociator::associateByIdentity(const ObservationSet& set, const Sensor
     result.slots[i] = landmark->slot;
     result.measurements.push_back(measurement);
     result.sightings.push_back(sighting);
+    const double chance_density = config_.unmapped_density_per_m2 * observation.range_m;
+    result.log_odds += logOdds(Pairing{0, 0, measurement.innovation, 0.0, chance_density}, S);
   }
 }
 
 ScanAssociator::SearchCircle ScanAssociator::searchCircle(const Observation& observation,
                                                           const SensorPlacement& sensor,
-                                                          const CompressedEkf& filter) const {
+                                                          const CompressedEkf& filter,
+                                                          const VehicleMatrix* more) const {
   const LocatedLandmark located =
       locateLandmark(VehicleState::pose(filter), sensor.T_base_sensor,
                      observation.range_m - sensor.range_offset_m, observation.bearing_rad);
   const auto G = vehicleJacobian(located, sensor, filter.vehicleStates());
-  const VehicleJacobian GP = G.lazyProduct(filter.vehicleCovariance());
+  VehicleMatrix P = filter.vehicleCovariance();
+  if (more != nullptr) P += *more;
+  const VehicleJacobian GP = G.lazyProduct(P);
   const Matrix2d covariance = GP.lazyProduct(G.transpose()) + located.G_measurement *
                                                                   observation.covariance *
                                                                   located.G_measurement.transpose();
@@ -161,9 +185,10 @@ ScanAssociator::SearchCircle ScanAssociator::searchCircle(const Observation& obs
 
 std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
     const ObservationSet& set, const SensorPlacement& sensor, int observation_index,
-    LandmarkRegistry& registry, CompressedEkf& filter, ScanAssociation& result) const {
+    LandmarkRegistry& registry, CompressedEkf& filter, const VehicleMatrix* more,
+    ScanAssociation& result) const {
   const auto i = static_cast<std::size_t>(observation_index);
-  const SearchCircle circle = searchCircle(set.observations[i], sensor, filter);
+  const SearchCircle circle = searchCircle(set.observations[i], sensor, filter, more);
   // The deviation of a difference is at most the sum of both deviations.
   const double gate = std::sqrt(wider_gate_);
   const double reach_m = circle.own_reach_m + gate * registry.largestDeviation();
@@ -176,7 +201,8 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
     bool is_claimed = false;
     if (std::find(result.slots.begin(), result.slots.end(), slot) != result.slots.end()) {
       is_claimed = true;  // by an observation that tells its identity
-    } else if (auto found = candidate(set.observations[i], sensor, landmark, filter, is_claimed)) {
+    } else if (auto found =
+                   candidate(set.observations[i], sensor, landmark, filter, more, is_claimed)) {
       found->pairing.observation = observation_index;
       candidates.push_back(*found);
     }
@@ -192,16 +218,14 @@ std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
 
 /// Nothing if the landmark is not compatible. `is_claimed`: whether it is so near that the
 /// observation is of no new landmark.
-std::optional<ScanAssociator::Candidate> ScanAssociator::candidate(const Observation& observation,
-                                                                   const SensorPlacement& sensor,
-                                                                   RegisteredLandmark& landmark,
-                                                                   CompressedEkf& filter,
-                                                                   bool& is_claimed) const {
+std::optional<ScanAssociator::Candidate> ScanAssociator::candidate(
+    const Observation& observation, const SensorPlacement& sensor, RegisteredLandmark& landmark,
+    CompressedEkf& filter, const VehicleMatrix* more, bool& is_claimed) const {
   Candidate candidate;
   candidate.sighting = observation;
   candidate.measurement = measure(candidate.sighting, sensor, landmark, filter);
   const Matrix2d S = filter.innovationCovariance(candidate.measurement, candidate.measurement) +
-                     candidate.measurement.noise;
+                     candidate.measurement.noise + covarianceFrom(more, candidate.measurement);
   const Vector2d& innovation = candidate.measurement.innovation;
   candidate.distance2 = innovation.dot(S.inverse() * innovation);
   const double chance_density = config_.unmapped_density_per_m2 * observation.range_m;
@@ -244,7 +268,8 @@ void ScanAssociator::chooseNearest(const std::vector<Candidate>& candidates,
 }
 
 void ScanAssociator::chooseJointly(const std::vector<Candidate>& candidates,
-                                   const CompressedEkf& filter, ScanAssociation& result) const {
+                                   const CompressedEkf& filter, const VehicleMatrix* more,
+                                   ScanAssociation& result) const {
   const auto n = static_cast<Eigen::Index>(candidates.size());
   std::vector<Pairing> pairings;
   std::vector<SparseMeasurement> measurements;
@@ -257,13 +282,16 @@ void ScanAssociator::chooseJointly(const std::vector<Candidate>& candidates,
     S.block<2, 2>(2 * k, 2 * k) += measurements[static_cast<std::size_t>(k)].noise;
   }
   S = Eigen::MatrixXd(S.selfadjointView<Eigen::Lower>());
+  if (more != nullptr) S += covarianceFrom(*more, measurements);
   const JointHypothesis best = joint_.find(pairings, S, static_cast<int>(result.slots.size()));
   result.complete = best.complete;
   std::vector<int> paired;
   for (const int pairing : best.pairings) {
     if (pairing >= 0) paired.push_back(pairing);
   }
-  for (const int pairing : provenPairings(paired, pairings, S, least_log_odds_)) {
+  const std::vector<int> proven = provenPairings(paired, pairings, S, least_log_odds_);
+  result.log_odds += logOdds(proven, pairings, S);
+  for (const int pairing : proven) {
     const Candidate& chosen = candidates[static_cast<std::size_t>(pairing)];
     const auto observation = static_cast<std::size_t>(chosen.pairing.observation);
     result.slots[observation] = chosen.pairing.landmark;

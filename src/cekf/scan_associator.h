@@ -24,6 +24,8 @@ struct ScanAssociation {
   /// By measurement: the observation, as it is for the diameter and the lasting error that the
   /// filter holds.
   std::vector<Observation> sightings;
+  /// Of the measurements, over chance; see logOdds(). Those by identity count as if they had none.
+  double log_odds = 0.0;
   int ambiguous = 0;     ///< observations with two or more compatible landmarks
   bool complete = true;  ///< false: there was too much to choose from, and the search was cut short
 };
@@ -39,8 +41,10 @@ class ScanAssociator {
                           std::optional<double> relinearise_m = std::nullopt,
                           const LastingErrorConfig& lasting_errors = {});
 
+  /// `more`: covariance that the vehicle's states are taken to have beyond the filter's.
   ScanAssociation associate(const ObservationSet& set, const SensorPlacement& sensor,
-                            LandmarkRegistry& registry, CompressedEkf& filter) const;
+                            LandmarkRegistry& registry, CompressedEkf& filter,
+                            const VehicleMatrix* more = nullptr) const;
 
  private:
   struct Candidate {
@@ -60,7 +64,7 @@ class ScanAssociator {
   };
 
   SearchCircle searchCircle(const Observation& observation, const SensorPlacement& sensor,
-                            const CompressedEkf& filter) const;
+                            const CompressedEkf& filter, const VehicleMatrix* more) const;
   bool isPlaceKnown(const Eigen::Matrix2d& S, double chance_density) const;
   /// The measurement of a landmark, which is made active. `sighting`: the observation, which
   /// becomes what it is for the landmark's diameter and the lasting error of its sightings.
@@ -68,17 +72,18 @@ class ScanAssociator {
                             RegisteredLandmark& landmark, CompressedEkf& filter) const;
   void associateByIdentity(const ObservationSet& set, const SensorPlacement& sensor,
                            LandmarkRegistry& registry, CompressedEkf& filter,
-                           ScanAssociation& result) const;
+                           const VehicleMatrix* more, ScanAssociation& result) const;
   std::vector<Candidate> compatibleLandmarks(const ObservationSet& set,
                                              const SensorPlacement& sensor, int observation,
                                              LandmarkRegistry& registry, CompressedEkf& filter,
+                                             const VehicleMatrix* more,
                                              ScanAssociation& result) const;
   std::optional<Candidate> candidate(const Observation& observation, const SensorPlacement& sensor,
                                      RegisteredLandmark& landmark, CompressedEkf& filter,
-                                     bool& is_claimed) const;
+                                     const VehicleMatrix* more, bool& is_claimed) const;
   void chooseNearest(const std::vector<Candidate>& candidates, ScanAssociation& result) const;
   void chooseJointly(const std::vector<Candidate>& candidates, const CompressedEkf& filter,
-                     ScanAssociation& result) const;
+                     const VehicleMatrix* more, ScanAssociation& result) const;
 
   AssociationConfig config_;
   LastingErrorModel lasting_errors_;

@@ -31,6 +31,7 @@ VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_g
     gps_datum_index_ = size_;
     size_ += 3;
   }
+  beginMotionNoise();
 }
 
 Eigen::VectorXd VehicleState::initialState() const {
@@ -178,6 +179,15 @@ void VehicleState::predict(CompressedEkf& filter, double age_s, double duration_
     Q(index, index) = 1.0 - kept * kept;
   }
   filter.predict(state, J, Q);
+  const VehicleMatrix moved = timesMotionTransposed(motion_noise_, J);
+  motion_noise_ = timesMotionTransposed(VehicleMatrix(moved.transpose()), J) + Q;
+}
+
+void VehicleState::beginMotionNoise() {
+  motion_noise_ = VehicleMatrix::Zero(size_, size_);
+  for (const int index : {kErrorIndex, kErrorIndex + 1, turn_relative_index_}) {
+    if (index >= 0) motion_noise_(index, index) = 1.0;
+  }
 }
 
 }  // namespace hymm::core

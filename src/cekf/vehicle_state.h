@@ -63,6 +63,11 @@ class VehicleState {
   const Eigen::Vector2d& linearisedAt() const { return linearised_at_; }
   void linearisePositionAt(const Eigen::Vector2d& position) { linearised_at_ = position; }
 
+  /// Covariance that the motion's noise alone has given the vehicle's states since the last
+  /// beginMotionNoise(), at which the errors of the input were anything.
+  const VehicleMatrix& motionNoise() const { return motion_noise_; }
+  void beginMotionNoise();
+
   bool hasInput() const { return has_input_; }
   double time_s() const { return time_s_; }
   std::size_t gaps() const { return gaps_; }
@@ -104,6 +109,7 @@ class VehicleState {
 
   bool at_first_estimates_;
   Eigen::Vector2d linearised_at_ = Eigen::Vector2d::Zero();
+  VehicleMatrix motion_noise_;
   MotionInput input_ = TwistInput{};
   bool has_input_ = false;
   bool started_ = false;

@@ -20,6 +20,7 @@ void addObservations(const core::CekfSlam::Counts& counts, Status& status) {
   status.add("observations associated", counts.associated);
   status.add("observations rejected", counts.rejected);
   status.add("associations cut short", counts.bounded_associations);
+  status.add("slips (motion much worse than it claims)", counts.slips);
   if (counts.bounded_associations > 0) {
     status.mergeSummary(DiagnosticStatus::WARN,
                         "Scans with more landmarks than association.max_nodes lets be searched");

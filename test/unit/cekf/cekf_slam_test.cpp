@@ -140,12 +140,66 @@ TEST(CekfSlam, StartsAnewAfterAClockReset) {
 TEST(CekfSlam, KeepsItsStateWhenTheVehicleTeleports) {
   CekfSlam slam = stationarySlam(10);
   ObservationSet elsewhere = threeLandmarks(6.0);
-  for (Observation& observation : elsewhere.observations) observation.bearing_rad += 2.5;
+  for (std::size_t i = 0; i < 3; ++i) {
+    elsewhere.observations[i].bearing_rad += 2.5;
+    elsewhere.observations[i].range_m += 7.0 + 3.0 * static_cast<double>(i);
+  }
   const auto outcome = slam.process(elsewhere);
   ASSERT_TRUE(outcome && outcome->accepted);
   EXPECT_EQ(outcome->health.dof, 0);
   EXPECT_EQ(outcome->health.unexplained, 1.0);
+  EXPECT_EQ(slam.counts().slips, 0U);
   EXPECT_TRUE(slam.pose().covariance.allFinite());
+}
+
+/// A robot that knows three landmarks and has turned by `turn_rad` in 0.1 s without its wheels'
+/// saying so; its yaw's deviation is 0.02 rad by what they claim.
+std::optional<ScanOutcome> turnedUnnoticed(double turn_rad, double slip_probability,
+                                           CekfSlam::Counts* counts = nullptr) {
+  CekfSlamConfig config;
+  config.slip.probability = slip_probability;
+  VehicleConfig vehicle;
+  vehicle.noise.yaw_rate_deviation_radps = 0.2;
+  CekfSlam slam(config, vehicle);
+  for (int i = 0; i < 10; ++i) {
+    slam.process(MotionInput{TwistInput{0.1 * i, 0.0, 0.0, 0.0}});
+    slam.process(threeLandmarks(0.1 * i));
+  }
+  slam.process(MotionInput{TwistInput{1.0, 0.0, 0.0, 0.0}});
+  ObservationSet turned = threeLandmarks(1.0);
+  for (Observation& observation : turned.observations) observation.bearing_rad -= turn_rad;
+  std::optional<ScanOutcome> outcome = slam.process(turned);
+  if (counts != nullptr) *counts = slam.counts();
+  return outcome;
+}
+
+TEST(CekfSlam, TakesItsMotionForWorseWhereThatExplainsAScan) {
+  CekfSlam::Counts counts;
+  const auto followed = turnedUnnoticed(0.15, 0.001, &counts);
+  ASSERT_TRUE(followed);
+  EXPECT_EQ(counts.slips, 1U);
+  EXPECT_EQ(followed->health.dof, 6);
+  EXPECT_NEAR(followed->pose.T_map_base.yaw_rad, 0.15, 0.02);
+  const auto lost = turnedUnnoticed(0.15, 0.0, &counts);
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(counts.slips, 0U);
+  EXPECT_EQ(lost->health.dof, 0);
+}
+
+TEST(CekfSlam, TrustsItsMotionWhereThatExplainsAScan) {
+  CekfSlam::Counts counts;
+  const auto outcome = turnedUnnoticed(0.03, 0.001, &counts);
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(counts.slips, 0U);
+  EXPECT_EQ(outcome->health.dof, 6);
+}
+
+TEST(CekfSlam, DoesNotTakeItsMotionForAnything) {
+  CekfSlam::Counts counts;
+  const auto outcome = turnedUnnoticed(0.6, 0.001, &counts);
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(counts.slips, 0U);
+  EXPECT_EQ(outcome->health.dof, 0);
 }
 
 TEST(CekfSlam, FollowsIdentitiesThroughLargeErrors) {
