@@ -133,8 +133,11 @@ class LandmarkLifeCycle {
 
  private:
   bool isFarFromOthers(const Eigen::Vector2d& position) const;
-  int promote(Observation observation, const ObservationSet& set, const SensorPlacement& sensor,
-              const Eigen::Vector2d& linearised_at, CompressedEkf& filter);
+  int promote(const Observation& observation, const ObservationSet& set,
+              const SensorPlacement& sensor, const Eigen::Vector2d& linearised_at,
+              CompressedEkf& filter);
+  void appendTo(CompressedEkf& filter, Observation observation, const SensorPlacement& sensor,
+                RegisteredLandmark& landmark);
   void noteNeighboursSeenTogether(const std::vector<int>& slots);
   bool areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
                     CompressedEkf& filter) const;
