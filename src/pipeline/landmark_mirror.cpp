@@ -13,6 +13,17 @@ auto placeOf(std::vector<LandmarkEstimate>& landmarks, int id) {
                           [](const auto& landmark, int key) { return landmark.id < key; });
 }
 
+/// Whoever sent them: by ascending id, each once. Of several under one id the first stays.
+void order(std::vector<LandmarkEstimate>& landmarks) {
+  const auto is_disordered = [](const auto& a, const auto& b) { return a.id >= b.id; };
+  if (std::adjacent_find(landmarks.begin(), landmarks.end(), is_disordered) == landmarks.end())
+    return;
+  std::stable_sort(landmarks.begin(), landmarks.end(),
+                   [](const auto& a, const auto& b) { return a.id < b.id; });
+  const auto is_same = [](const auto& a, const auto& b) { return a.id == b.id; };
+  landmarks.erase(std::unique(landmarks.begin(), landmarks.end(), is_same), landmarks.end());
+}
+
 }  // namespace
 
 void LandmarkMirror::take(const LandmarkMap& map) {
@@ -22,6 +33,7 @@ void LandmarkMirror::take(const LandmarkMap& map) {
   const bool continues = later != recent_.end() && later->since_version == map.version;
   if (map.version < map_.version && !continues) return;
   map_ = map;
+  order(map_.landmarks);
   recent_.erase(recent_.begin(), continues ? later : recent_.end());
   for (const LandmarkUpdate& update : recent_) apply(update);
 }

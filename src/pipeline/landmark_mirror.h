@@ -10,12 +10,13 @@ namespace hymm::core {
 /// whole map takes a while to be made: changes that overtook it are made again on it.
 class LandmarkMirror {
  public:
+  /// Its landmarks may come in any order; of several under one id the first counts.
   void take(const LandmarkMap& map);
 
   /// Returns false if changes in between are missing: the mirror waits for the next whole map.
   bool take(const LandmarkUpdate& update);
 
-  /// Cross-covariances are those of the last whole map.
+  /// Sorted by id, each once. Cross-covariances are those of the last whole map.
   const LandmarkMap& map() const { return map_; }
 
  private:

@@ -1,6 +1,9 @@
 #include "pipeline/landmark_mirror.h"
 
-#include <gtest/gtest.h>
+#include <random>
+#include <set>
+
+#include <gmock/gmock.h>
 
 namespace hymm::core {
 namespace {
@@ -71,6 +74,52 @@ TEST_F(LandmarkMirrorTest, MakesChangesAgainOnAMapThatTheyOvertook) {
   ASSERT_EQ(mirror_.map().landmarks.size(), 1U);
   EXPECT_EQ(mirror_.map().landmarks[0].id, 7);
   EXPECT_EQ(mirror_.map().version, 12U);
+}
+
+std::vector<int> idsOf(const LandmarkMap& map) {
+  std::vector<int> ids;
+  for (const LandmarkEstimate& landmark : map.landmarks) ids.push_back(landmark.id);
+  return ids;
+}
+
+TEST_F(LandmarkMirrorTest, OrdersAMapThatComesInDisorder) {
+  LandmarkMap map;
+  map.version = 11;
+  map.landmarks = {landmarkAt(9, 9.0), landmarkAt(2, 2.0), landmarkAt(5, 5.0)};
+  mirror_.take(map);
+  EXPECT_THAT(idsOf(mirror_.map()), testing::ElementsAre(2, 5, 9));
+}
+
+TEST_F(LandmarkMirrorTest, KeepsTheFirstOfLandmarksUnderOneId) {
+  LandmarkMap map;
+  map.version = 11;
+  map.landmarks = {landmarkAt(5, 1.0), landmarkAt(2, 2.0), landmarkAt(5, 3.0), landmarkAt(5, 4.0)};
+  mirror_.take(map);
+  ASSERT_THAT(idsOf(mirror_.map()), testing::ElementsAre(2, 5));
+  EXPECT_EQ(mirror_.map().landmarks[1].position.x(), 1.0);
+}
+
+TEST_F(LandmarkMirrorTest, FindsEachLandmarkWhateverTheOrderOfMapsAndUpdates) {
+  std::mt19937 draw(1);
+  std::uniform_int_distribution<int> any_id(-3, 12);
+  for (std::uint64_t version = 12; version < 500; version += 2) {
+    LandmarkMap map;
+    map.version = version;
+    std::set<int> expected;
+    for (int i = 0; i < 10; ++i) map.landmarks.push_back(landmarkAt(any_id(draw), 0.0));
+    for (const LandmarkEstimate& landmark : map.landmarks) expected.insert(landmark.id);
+    LandmarkUpdate update;
+    update.since_version = version;
+    update.version = version + 1;
+    update.removed_ids = {any_id(draw), any_id(draw)};
+    for (int i = 0; i < 4; ++i) update.changed.push_back(landmarkAt(any_id(draw), 1.0));
+    for (const int id : update.removed_ids) expected.erase(id);
+    for (const LandmarkEstimate& landmark : update.changed) expected.insert(landmark.id);
+
+    mirror_.take(map);
+    ASSERT_TRUE(mirror_.take(update));
+    ASSERT_THAT(idsOf(mirror_.map()), testing::ElementsAreArray(expected));
+  }
 }
 
 }  // namespace
