@@ -1,4 +1,5 @@
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <optional>
@@ -45,7 +46,10 @@ void describe(CLI::App& app, Options& options) {
       ->expected(2);
   source->require_option(1);
   app.add_option("--robot", options.robot, "robot of an MRCLAM recording")->capture_default_str();
-  app.add_option("--config", options.configs, "YAML files, in order over the built-in defaults");
+  app.add_option(
+      "--config", options.configs,
+      "YAML files, in order over the built-in defaults; without any, the one that is shipped "
+      "for a --dataset");
   app.add_option("--output", options.output, "folder for the results; made if missing")->required();
   app.add_option("--seed", options.seed, "of all randomness; default: relocaliser/seed")
       ->check(CLI::Range(0, std::numeric_limits<int>::max()));
@@ -67,9 +71,18 @@ void describe(CLI::App& app, Options& options) {
   app.add_option("--topic", options.topics, "another name of a topic, as scan:=/front/scan");
 }
 
+/// Without any of its own, a public recording has the one that is shipped for its kind.
+std::vector<std::string> configsOf(const Options& options) {
+  if (options.dataset.empty() || !options.configs.empty()) return options.configs;
+  const std::string shipped = configFolder() + "/datasets/" + options.dataset.front() + ".yaml";
+  if (std::filesystem::exists(shipped)) return {shipped};
+  std::cerr << "Warning: " << shipped << " is not there; the built-in defaults are used.\n";
+  return {};
+}
+
 core::SuiteConfig readConfig(const Options& options) {
   core::ConfigReport report;
-  core::SuiteConfig config = core::loadSuiteConfig(options.configs, report, configFolder);
+  core::SuiteConfig config = core::loadSuiteConfig(configsOf(options), report, configFolder);
   config.relocaliser.seed = options.seed.value_or(config.relocaliser.seed);
   for (const std::string& warning : report.warnings) std::cerr << "Warning: " << warning << '\n';
   report.throwIfUnusable();
