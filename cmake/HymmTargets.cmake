@@ -47,3 +47,33 @@ function(hymm_add_test name)
       # Property tests draw the same cases in every run.
       ENVIRONMENT_MODIFICATION "RC_PARAMS=set:seed=1")
 endfunction()
+
+# What a command of the package needs around it, in a shell: its messages, its launch files.
+function(hymm_add_shell_test name command)
+  cmake_parse_arguments(ARG "SERIAL" "LABEL;TIMEOUT" "" ${ARGN})
+  add_test(NAME ${name}
+    COMMAND ${CMAKE_COMMAND} -E env "HYMM_BUILD_DIR=${CMAKE_BINARY_DIR}"
+      "ROS_PACKAGE_PATH=${PROJECT_SOURCE_DIR}:$ENV{ROS_PACKAGE_PATH}"
+      bash -c "source '${CATKIN_DEVEL_PREFIX}/setup.bash' && ${command}")
+  set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
+  if(ARG_SERIAL)
+    set_tests_properties(${name} PROPERTIES RUN_SERIAL TRUE)
+  endif()
+endfunction()
+
+# NAME_test.py of the present folder. It starts programs of HYMM_BUILD_DIR.
+function(hymm_add_python_test name)
+  hymm_add_shell_test(${name}
+    "unset AMENT_PREFIX_PATH && /usr/bin/python3 '${CMAKE_CURRENT_SOURCE_DIR}/${name}_test.py'"
+    ${ARGN})
+endfunction()
+
+# NAME.test of the present folder. rostest picks a free port for its own roscore, so these may run
+# beside each other and beside a roscore that is already there. Not with --text: rostest then takes
+# every test for passed.
+function(hymm_add_rostest name)
+  find_program(ROSTEST rostest REQUIRED)
+  hymm_add_shell_test(rostest_${name}
+    "'${ROSTEST}' --results-base-dir '${CMAKE_BINARY_DIR}/rostest' '${CMAKE_CURRENT_SOURCE_DIR}/${name}.test'"
+    LABEL ros TIMEOUT 240)
+endfunction()
