@@ -133,6 +133,18 @@ void CompressedEkf::addVehicleError(int slot, const Vector2d& gain, int vehicle_
   phi_.block(row, 0, 2, origin_states_) += gain * phi_.block(vehicle_state, 0, 1, origin_states_);
 }
 
+void CompressedEkf::addRigidNoise(const std::vector<int>& slots, const Eigen::Matrix3d& noise) {
+  flushMotion();
+  const int n = states();
+  Eigen::Matrix<double, Eigen::Dynamic, 3> A = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(n, 3);
+  A.topRows<3>().setIdentity();
+  for (const int slot : slots) {
+    const int row = rowOf(slot);
+    A.middleRows<2>(row) = rigidMotion(x_.segment<2>(row) - x_.head<2>());
+  }
+  P_.topLeftCorner(n, n).triangularView<Eigen::Lower>() += A * noise * A.transpose();
+}
+
 void CompressedEkf::fade(int slot, double kept, const Matrix2d& stationary) {
   flushMotion();
   const int row = rowOf(slot), below = states() - row - 2;

@@ -45,6 +45,13 @@ struct SlotJacobian {
   Eigen::Matrix2d G = Eigen::Matrix2d::Zero();
 };
 
+/// How a point at `arm` from a body's centre moves with the body, by (x, y, yaw).
+inline Eigen::Matrix<double, 2, 3> rigidMotion(const Eigen::Vector2d& arm) {
+  Eigen::Matrix<double, 2, 3> A;
+  A << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+  return A;
+}
+
 /// What a measurement did.
 struct UpdateOutcome {
   double nis = 0.0;  ///< normalised innovation squared; NaN: refused, and nothing changed
@@ -169,6 +176,10 @@ class CompressedEkf {
   /// Redefines an active landmark's error: `gain` times the error of a vehicle state is added to it
   /// (P <- T * P * T' with T = I + gain * e'), while the estimates stay.
   void addVehicleError(int slot, const Eigen::Vector2d& gain, int vehicle_state);
+
+  /// Adds an error that the vehicle's pose has, of covariance `noise` (x, y, yaw), and that active
+  /// landmarks have with it, as one body.
+  void addRigidNoise(const std::vector<int>& slots, const Eigen::Matrix3d& noise);
 
   /// An active pair of states goes on as a Gauss-Markov process of mean 0 and covariance
   /// `stationary`: `kept` of it is left, the rest is renewed (P_ss <- kept^2 * P_ss + (1 - kept^2)

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "cekf/pairing_evidence.h"
@@ -12,10 +14,14 @@ namespace hymm::core {
 namespace {
 
 using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
 using Eigen::Vector2d;
 
 // Bounds the work where the vehicle is very uncertain among many landmarks.
 constexpr std::size_t kMaxCandidates = 5;
+
+constexpr double kNow_s = std::numeric_limits<double>::infinity();
 
 Matrix2d differenceCovariance(const DuplicateLandmarks& a, const DuplicateLandmarks& b,
                               const CompressedEkf& filter) {
@@ -23,40 +29,118 @@ Matrix2d differenceCovariance(const DuplicateLandmarks& a, const DuplicateLandma
          filter.covariance(a.kept, b.gone) + filter.covariance(a.kept, b.kept);
 }
 
+/// Of the differences of pairs, jointly.
+MatrixXd differenceCovariance(const std::vector<DuplicateLandmarks>& pairs,
+                              const CompressedEkf& filter) {
+  const auto n = static_cast<Eigen::Index>(pairs.size());
+  MatrixXd S(2 * n, 2 * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      S.block<2, 2>(2 * i, 2 * j) = differenceCovariance(
+          pairs[static_cast<std::size_t>(i)], pairs[static_cast<std::size_t>(j)], filter);
+      S.block<2, 2>(2 * j, 2 * i) = S.block<2, 2>(2 * i, 2 * j).transpose();
+    }
+  }
+  return S;
+}
+
+/// How the landmarks seen lately move when all of them do as one body with the vehicle.
+MatrixXd turnsAbout(const Vector2d& vehicle, const std::vector<DuplicateLandmarks>& pairs,
+                    const CompressedEkf& filter) {
+  MatrixXd A(2 * static_cast<Eigen::Index>(pairs.size()), 3);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    A.middleRows<2>(2 * static_cast<Eigen::Index>(k)) =
+        rigidMotion(filter.landmark(pairs[k].gone) - vehicle);
+  }
+  return A;
+}
+
 }  // namespace
 
 DuplicateSearch::DuplicateSearch(const LandmarkConfig& landmarks,
-                                 const AssociationConfig& association)
+                                 const AssociationConfig& association, const SlipConfig& slip)
     : landmarks_(landmarks),
       association_(association),
+      slip_(slip),
       gate_(chiSquareQuantile(association.individual_probability, 2)),
       least_log_odds_(-std::log(landmarks.constellation_coincidence)),
       joint_({chiSquareQuantile(association.unpaired_probability, 2), association.joint_probability,
               association.max_nodes}) {}
 
-std::vector<DuplicateLandmarks> DuplicateSearch::find(double time_s, const Vector2d& vehicle,
-                                                      const AreDistinct& are_distinct,
-                                                      const LandmarkRegistry& registry,
-                                                      CompressedEkf& filter) const {
-  std::vector<Candidate> candidates;
-  int recent = 0;
+std::vector<DuplicateLandmarks> DuplicateSearch::pairsOf(const Candidates& candidates) {
+  std::vector<DuplicateLandmarks> pairs;
+  for (const Candidate& candidate : candidates.all) pairs.push_back(candidate.pair);
+  return pairs;
+}
+
+DuplicatesFound DuplicateSearch::find(double time_s, const Vector2d& vehicle,
+                                      const AreDistinct& are_distinct,
+                                      const LandmarkRegistry& registry,
+                                      CompressedEkf& filter) const {
+  std::vector<int> recent;
+  double known_since_s = kNow_s;
   for (const int slot : registry.slotsNear(vehicle, landmarks_.constellation_radius_m)) {
     const RegisteredLandmark& landmark = registry.bySlot(slot);
     if (landmark.identity >= 0) continue;
     if (time_s - landmark.last_seen_s > landmarks_.constellation_span_s) continue;
-    const auto own = candidatesOf(recent, landmark, are_distinct, registry, filter);
-    if (own.empty()) continue;
-    candidates.insert(candidates.end(), own.begin(), own.end());
-    ++recent;
+    recent.push_back(slot);
+    known_since_s = std::min(known_since_s, landmark.first_seen_s);
   }
-  return candidates.empty() ? std::vector<DuplicateLandmarks>{}
-                            : choose(candidates, recent, filter);
+  const Candidates fitting = candidates(recent, {1.0, kNow_s}, are_distinct, registry, filter);
+  const MatrixXd S = differenceCovariance(pairsOf(fitting), filter);
+  DuplicatesFound found{choose(fitting, S, least_log_odds_), std::nullopt};
+  if (!found.pairs.empty() || !(slip_.probability > 0.0)) return found;
+  // No slip lies between landmarks of which the one was still seen when the other came.
+  const Candidates near =
+      candidates(recent, {slip_.factor, known_since_s}, are_distinct, registry, filter);
+  return findAfterSlip(near, vehicle, filter);
+}
+
+DuplicateSearch::Candidates DuplicateSearch::candidates(const std::vector<int>& recent,
+                                                        const Reach& reach,
+                                                        const AreDistinct& are_distinct,
+                                                        const LandmarkRegistry& registry,
+                                                        CompressedEkf& filter) const {
+  Candidates result;
+  for (const int slot : recent) {
+    const auto own =
+        candidatesOf(result.recent, registry.bySlot(slot), reach, are_distinct, registry, filter);
+    if (own.empty()) continue;
+    result.all.insert(result.all.end(), own.begin(), own.end());
+    ++result.recent;
+  }
+  return result;
+}
+
+/// What the filter claims of how the landmarks seen lately lie to the older ones, as one body, is
+/// that of the vehicle's way between. If that was worse, they lie otherwise, as one body.
+DuplicatesFound DuplicateSearch::findAfterSlip(const Candidates& candidates,
+                                               const Vector2d& vehicle,
+                                               const CompressedEkf& filter) const {
+  if (candidates.recent < 2) return {};
+  std::vector<DuplicateLandmarks> bodies;  // each landmark seen lately, with the nearest older one
+  for (const Candidate& candidate : candidates.all) {
+    const bool is_first = bodies.empty() || bodies.back().gone != candidate.pair.gone;
+    if (is_first) bodies.push_back(candidate.pair);
+  }
+  const MatrixXd A = turnsAbout(vehicle, bodies, filter);
+  const Eigen::LLT<MatrixXd> S_bodies(differenceCovariance(bodies, filter));
+  if (S_bodies.info() != Eigen::Success) return {};
+  const Matrix3d claimed = (A.transpose() * S_bodies.solve(A)).inverse();
+  if (!claimed.allFinite()) return {};
+  const Matrix3d slip = (slip_.factor * slip_.factor - 1.0) * claimed;
+
+  const std::vector<DuplicateLandmarks> pairs = pairsOf(candidates);
+  const MatrixXd A_pairs = turnsAbout(vehicle, pairs, filter);
+  const MatrixXd S = differenceCovariance(pairs, filter) + A_pairs * slip * A_pairs.transpose();
+  return {choose(candidates, S, least_log_odds_ - std::log(slip_.probability)), slip};
 }
 
 std::vector<DuplicateSearch::Candidate> DuplicateSearch::candidatesOf(
-    int recent_number, const RegisteredLandmark& recent, const AreDistinct& are_distinct,
-    const LandmarkRegistry& registry, CompressedEkf& filter) const {
-  const double gate = std::sqrt(gate_);
+    int recent_number, const RegisteredLandmark& recent, const Reach& reach,
+    const AreDistinct& are_distinct, const LandmarkRegistry& registry,
+    CompressedEkf& filter) const {
+  const double gate = reach.widened * std::sqrt(gate_);
   std::vector<Candidate> candidates;
   for (const int slot : registry.slotsNear(
            recent.position, gate * (recent.deviation_m + registry.largestDeviation()))) {
@@ -64,6 +148,7 @@ std::vector<DuplicateSearch::Candidate> DuplicateSearch::candidatesOf(
     const double reach_m = gate * (recent.deviation_m + older.deviation_m);
     // What was still seen when the recent one came into the map is another object.
     if (slot == recent.slot || older.last_seen_s >= recent.first_seen_s) continue;
+    if (older.last_seen_s >= reach.before_s) continue;
     if ((older.position - recent.position).norm() > reach_m) continue;
     if (!mayBeOneKind(older.type, recent.type) || are_distinct(slot, recent.slot)) continue;
     filter.activate(recent.slot);
@@ -73,7 +158,7 @@ std::vector<DuplicateSearch::Candidate> DuplicateSearch::candidatesOf(
     const Vector2d difference = filter.landmark(recent.slot) - filter.landmark(slot);
     const Matrix2d S = differenceCovariance(candidate.pair, candidate.pair, filter);
     candidate.distance2 = difference.dot(S.inverse() * difference);
-    if (!(candidate.distance2 <= gate_)) continue;
+    if (!(candidate.distance2 <= gate * gate)) continue;
     candidate.pairing = {recent_number, slot, difference, 0.0,
                          association_.unmapped_density_per_m2};
     candidates.push_back(candidate);
@@ -84,28 +169,21 @@ std::vector<DuplicateSearch::Candidate> DuplicateSearch::candidatesOf(
   return candidates;
 }
 
-std::vector<DuplicateLandmarks> DuplicateSearch::choose(const std::vector<Candidate>& candidates,
-                                                        int recent,
-                                                        const CompressedEkf& filter) const {
-  const auto n = static_cast<Eigen::Index>(candidates.size());
+/// `S`: covariance of the candidates' differences. What is chosen has `least_log_odds` together.
+std::vector<DuplicateLandmarks> DuplicateSearch::choose(const Candidates& candidates,
+                                                        const MatrixXd& S,
+                                                        double least_log_odds) const {
   std::vector<Pairing> pairings;
-  Eigen::MatrixXd S(2 * n, 2 * n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Candidate& a = candidates[static_cast<std::size_t>(i)];
-    pairings.push_back(a.pairing);
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      const Candidate& b = candidates[static_cast<std::size_t>(j)];
-      S.block<2, 2>(2 * i, 2 * j) = differenceCovariance(a.pair, b.pair, filter);
-      S.block<2, 2>(2 * j, 2 * i) = S.block<2, 2>(2 * i, 2 * j).transpose();
-    }
-  }
+  for (const Candidate& candidate : candidates.all) pairings.push_back(candidate.pairing);
   std::vector<int> chosen;
-  for (const int pairing : joint_.find(pairings, S, recent).pairings) {
+  for (const int pairing : joint_.find(pairings, S, candidates.recent).pairings) {
     if (pairing >= 0) chosen.push_back(pairing);
   }
+  const std::vector<int> proven = provenPairings(chosen, pairings, S, least_log_odds_);
+  if (proven.empty() || logOdds(proven, pairings, S) < least_log_odds) return {};
   std::vector<DuplicateLandmarks> duplicates;
-  for (const int pairing : provenPairings(chosen, pairings, S, least_log_odds_)) {
-    duplicates.push_back(candidates[static_cast<std::size_t>(pairing)].pair);
+  for (const int pairing : proven) {
+    duplicates.push_back(candidates.all[static_cast<std::size_t>(pairing)].pair);
   }
   // One that goes into another cannot take up a third: that one is left for the next search.
   const std::vector<DuplicateLandmarks> all = duplicates;

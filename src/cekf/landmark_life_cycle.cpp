@@ -41,7 +41,8 @@ void fuseDiameter(const Observation& observation, RegisteredLandmark& landmark) 
 LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config,
                                      const AssociationConfig& association,
                                      const DiameterPrior& diameter, bool at_first_estimates,
-                                     const LastingErrorConfig& lasting_errors)
+                                     const LastingErrorConfig& lasting_errors,
+                                     const SlipConfig& slip)
     : config_(config),
       at_first_estimates_(at_first_estimates),
       merge_gate_(chiSquareQuantile(config.merge_probability, 2)),
@@ -51,7 +52,7 @@ LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config,
       diameters_(diameter),
       lasting_error_model_(lasting_errors),
       tentative_({config.promote_sightings, config.promote_share, config.promote_span_s}),
-      duplicate_search_(config, association) {}
+      duplicate_search_(config, association, slip) {}
 
 void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation& association,
                                 CompressedEkf& filter) {

@@ -28,6 +28,7 @@ class LandmarkLifeCycle {
     std::size_t created = 0;
     std::size_t dropped = 0;
     std::size_t merged = 0;
+    std::size_t slips = 0;  ///< of the vehicle, that older landmarks have told of
   };
 
   /// Landmarks that a scan should have shown and did not.
@@ -38,7 +39,7 @@ class LandmarkLifeCycle {
 
   LandmarkLifeCycle(const LandmarkConfig& config, const AssociationConfig& association,
                     const DiameterPrior& diameter = {}, bool at_first_estimates = false,
-                    const LastingErrorConfig& lasting_errors = {});
+                    const LastingErrorConfig& lasting_errors = {}, const SlipConfig& slip = {});
 
   /// Lets the measurements of landmarks that come into view depend on the lasting errors of their
   /// sightings, which begin here.
@@ -143,6 +144,7 @@ class LandmarkLifeCycle {
                     CompressedEkf& filter) const;
   bool areDistinct(int id_a, int id_b) const;
   bool isPlaceKnown(const RegisteredLandmark& landmark, const CompressedEkf& filter) const;
+  void addSlip(const DuplicatesFound& found, CompressedEkf& filter);
   double fuse(const std::vector<DuplicateLandmarks>& duplicates, CompressedEkf& filter);
   void takeOver(const RegisteredLandmark& gone, RegisteredLandmark& kept);
   void drop(int id, CompressedEkf& filter);

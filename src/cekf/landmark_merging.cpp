@@ -1,6 +1,7 @@
 /// When two landmarks are one object, and how they become one.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/LU>
 
@@ -68,9 +69,27 @@ double LandmarkLifeCycle::closeLoop(double time_s, CompressedEkf& filter) {
   const auto are_distinct = [this](int a, int b) {
     return areDistinct(registry_.bySlot(a).id, registry_.bySlot(b).id);
   };
-  const auto duplicates = duplicate_search_.find(time_s, VehicleState::pose(filter).position(),
-                                                 are_distinct, registry_, filter);
-  return duplicates.empty() ? 0.0 : fuse(duplicates, filter);
+  const DuplicatesFound found = duplicate_search_.find(
+      time_s, VehicleState::pose(filter).position(), are_distinct, registry_, filter);
+  if (found.pairs.empty()) return 0.0;
+  if (found.slip) addSlip(found, filter);
+  return fuse(found.pairs, filter);
+}
+
+/// The vehicle slipped after it had lost sight of the older landmarks. What has come into the map
+/// since lies with the vehicle, as far as it is active.
+void LandmarkLifeCycle::addSlip(const DuplicatesFound& found, CompressedEkf& filter) {
+  double since_s = -std::numeric_limits<double>::infinity();
+  std::set<int> with_vehicle;
+  for (const DuplicateLandmarks& pair : found.pairs) {
+    since_s = std::max(since_s, registry_.bySlot(pair.kept).last_seen_s);
+    with_vehicle.insert(pair.gone);
+  }
+  for (const int slot : filter.activeLandmarks()) {
+    if (registry_.bySlot(slot).first_seen_s > since_s) with_vehicle.insert(slot);
+  }
+  filter.addRigidNoise({with_vehicle.begin(), with_vehicle.end()}, *found.slip);
+  ++counts_.slips;
 }
 
 double LandmarkLifeCycle::fuse(const std::vector<DuplicateLandmarks>& duplicates,

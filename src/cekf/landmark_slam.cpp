@@ -52,7 +52,7 @@ LandmarkSlam::LandmarkSlam(const CekfSlamConfig& config, const VehicleConfig& ve
                        ? ScanUpdate(config.update.max_iterations, config.large_correction_m)
                        : ScanUpdate(config.update.max_iterations)),
       life_cycle_(config.landmarks, config.association, diameterPrior(config.perception.trunks),
-                  config.update.atFirstEstimates(), config.lasting_errors),
+                  config.update.atFirstEstimates(), config.lasting_errors, config.slip),
       pins_(config.landmarks.pin_delay_s),
       area_(config.active_area),
       estimate_(newEstimate()) {}

@@ -104,6 +104,7 @@ LandmarkSlam::Counts LandmarkSlam::counts() const {
   counts.landmarks_created = life_cycle_.counts().created;
   counts.landmarks_dropped = life_cycle_.counts().dropped;
   counts.landmarks_merged = life_cycle_.counts().merged;
+  counts.slips += life_cycle_.counts().slips;
   counts.iterated_updates = scan_update_.iterated();
   counts.area_switches = area_.counts().switches;
   counts.global_updates = area_.counts().global_updates;

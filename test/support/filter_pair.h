@@ -81,6 +81,16 @@ class FilterPair {
     full_.addVehicleError(id, gain, vehicle_state);
   }
 
+  void addRigidNoise(const std::vector<int>& ids, const Eigen::Matrix3d& noise) {
+    std::vector<int> slots;
+    for (const int id : ids) {
+      slots.push_back(slots_.at(id));
+      compressed_.activate(slots.back());
+    }
+    compressed_.addRigidNoise(slots, noise);
+    full_.addRigidNoise(ids, noise);
+  }
+
   void fade(int id, double kept, const Eigen::Matrix2d& stationary) {
     compressed_.activate(slots_.at(id));
     compressed_.fade(slots_.at(id), kept, stationary);

@@ -93,6 +93,18 @@ class FullEkf {
     P_ = (T * P_ * T.transpose()).eval();
   }
 
+  void addRigidNoise(const std::vector<int>& ids, const Eigen::Matrix3d& noise) {
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(x_.size(), 3);
+    A.topRows<3>().setIdentity();
+    for (const int id : ids) {
+      const Eigen::Index i = index(id);
+      A(i, 0) = A(i + 1, 1) = 1.0;
+      A(i, 2) = x_[1] - x_[i + 1];
+      A(i + 1, 2) = x_[i] - x_[0];
+    }
+    P_ += A * noise * A.transpose();
+  }
+
   void fade(int id, double kept, const Eigen::Matrix2d& stationary) {
     Eigen::MatrixXd T = Eigen::MatrixXd::Identity(x_.size(), x_.size());
     T.block<2, 2>(index(id), index(id)) *= kept;

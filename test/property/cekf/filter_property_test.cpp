@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <ostream>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -34,6 +35,7 @@ enum class Kind {
   kInitialise,
   kAddVehicleError,
   kFade,
+  kSlip,
   kGlobalUpdate,
   kFinishGlobalUpdate
 };
@@ -46,9 +48,9 @@ struct Step {
 };
 
 void showValue(const Step& step, std::ostream& stream) {
-  static const char* const kNames[] = {"predict", "append",        "remove",     "observe",
-                                       "fuse",    "fix",           "initialise", "vehicle error",
-                                       "fade",    "global update", "finish"};
+  static const char* const kNames[] = {"predict", "append", "remove",        "observe",
+                                       "fuse",    "fix",    "initialise",    "vehicle error",
+                                       "fade",    "slip",   "global update", "finish"};
   stream << kNames[static_cast<int>(step.kind)] << ' ' << step.chance;
 }
 
@@ -62,6 +64,7 @@ rc::Gen<std::vector<Step>> anyHistory() {
                                                     {1, Kind::kInitialise},
                                                     {2, Kind::kAddVehicleError},
                                                     {2, Kind::kFade},
+                                                    {1, Kind::kSlip},
                                                     {2, Kind::kGlobalUpdate},
                                                     {1, Kind::kFinishGlobalUpdate}});
   // Twice as long as RapidCheck would make them: short histories find little.
@@ -108,6 +111,8 @@ class RandomFilters {
         return filters_.addVehicleError(anyLandmark(), randomMatrix(generator_, 2, 1, 1.0), 2);
       case Kind::kFade:
         return fade();
+      case Kind::kSlip:
+        return slip();
       case Kind::kGlobalUpdate:
         filters_.compressed().globalUpdate();
         return;
@@ -186,6 +191,14 @@ class RandomFilters {
     const double kept = sampleUniform(generator_, 0.0, 1.0);
     const MatrixXd root = randomMatrix(generator_, 2, 2, 1.0);
     filters_.fade(anyLandmark(), kept, root * root.transpose());
+  }
+
+  /// Of the vehicle and up to three landmarks, each once.
+  void slip() {
+    std::set<int> with_vehicle;
+    for (int k = 0; k < 3 && !filters_.slots().empty(); ++k) with_vehicle.insert(anyLandmark());
+    const MatrixXd root = randomMatrix(generator_, 3, 3, 0.2);
+    filters_.addRigidNoise({with_vehicle.begin(), with_vehicle.end()}, root * root.transpose());
   }
 
   void initialise() {

@@ -35,13 +35,19 @@ class DuplicateSearchTest : public testing::Test {
 
   std::vector<DuplicateLandmarks> find(const DuplicateSearch::AreDistinct& are_distinct =
                                            [](int, int) { return false; }) {
-    return DuplicateSearch(landmarks_, association_)
+    return search(are_distinct).pairs;
+  }
+  DuplicatesFound search(const DuplicateSearch::AreDistinct& are_distinct = [](int, int) {
+    return false;
+  }) {
+    return DuplicateSearch(landmarks_, association_, slip_)
         .find(kNow_s, Vector2d::Zero(), are_distinct, registry_, filter_);
   }
 
   Vector2d error_{1.5, -2.0};
   LandmarkConfig landmarks_;
   AssociationConfig association_;
+  SlipConfig slip_;
   CompressedEkf filter_;
   LandmarkRegistry registry_;
 };
@@ -53,6 +59,47 @@ TEST_F(DuplicateSearchTest, RecognisesAConstellationThatCameBack) {
   const std::vector<DuplicateLandmarks> found = find();
   ASSERT_EQ(found.size(), 3U);
   for (const DuplicateLandmarks& pair : found) EXPECT_EQ(pair.gone, pair.kept + 3);
+}
+
+TEST_F(DuplicateSearchTest, TellsOfNoSlipWhereNoneIsNeeded) {
+  const std::vector<Vector2d> places = {{10.0, 0.0}, {4.0, 9.0}, {-7.0, 12.0}};
+  for (const Vector2d& place : places) addOld(place);
+  for (const Vector2d& place : places) addAgain(place);
+  EXPECT_FALSE(search().slip);
+}
+
+TEST_F(DuplicateSearchTest, RecognisesWhatIsFartherOffThanTheFilterClaims) {
+  error_ = {6.5, -7.0};  // of which 2 m each are claimed
+  const std::vector<Vector2d> places = {{10.0, 0.0}, {4.0, 9.0}, {-7.0, 12.0}, {-3.0, -8.0}};
+  for (const Vector2d& place : places) addOld(place);
+  for (const Vector2d& place : places) addAgain(place);
+  const DuplicatesFound found = search();
+  ASSERT_EQ(found.pairs.size(), 4U);
+  for (const DuplicateLandmarks& pair : found.pairs) EXPECT_EQ(pair.gone, pair.kept + 4);
+  // Beside the 2 m that are claimed, what makes 6 m of them.
+  ASSERT_TRUE(found.slip);
+  EXPECT_NEAR((*found.slip)(0, 0), 32.0, 0.1);
+  slip_.probability = 0.0;
+  EXPECT_TRUE(find().empty());
+}
+
+TEST_F(DuplicateSearchTest, AsksForMoreLandmarksWhereASlipIsNeeded) {
+  error_ = {6.5, -7.0};
+  const std::vector<Vector2d> places = {{10.0, 0.0}, {4.0, 9.0}};
+  for (const Vector2d& place : places) addOld(place);
+  for (const Vector2d& place : places) addAgain(place);
+  slip_.probability = 1e-9;
+  EXPECT_TRUE(find().empty());
+}
+
+TEST_F(DuplicateSearchTest, TakesNoSlipForAnythingAmongLandmarksThatLookAlike) {
+  // Rows of trees, of which the vehicle comes back to one: by a slip it may be any.
+  error_ = {0.0, 9.0};
+  for (int row = 0; row < 3; ++row) {
+    for (int tree = 0; tree < 6; ++tree) addOld({4.0 * tree - 10.0, 6.0 * row - 6.0});
+  }
+  for (int tree = 0; tree < 3; ++tree) addAgain({4.0 * tree - 10.0, 0.3 * tree});
+  EXPECT_TRUE(find().empty());
 }
 
 TEST_F(DuplicateSearchTest, LeavesOneMatchAlone) {
