@@ -7,6 +7,7 @@
 
 #include "common/error.h"
 #include "door_planner/blocked_cells.h"
+#include "hybrid_map/input_check.h"
 #include "hybrid_map/ltr_geometry.h"
 
 namespace hymm::core {
@@ -17,6 +18,10 @@ constexpr double kIndexCell_m = 10.0;
 /// portals would fill the memory.
 constexpr std::int64_t kMostCells = 1 << 22;
 constexpr double kWidest_m = 1e4;
+/// The same goes for numbers of LTRs, by which the index keeps them in a row, and for landmarks
+/// that are wider than anything that a robot passes: the index would fill with their cells.
+constexpr int kMostLtrs = 1 << 22;
+constexpr double kWidestLandmark_m = 100.0;
 /// Cells of other LTRs may be that much larger than an LTR's own.
 constexpr double kIndexMargin_m = 1.0;
 /// By which landmarks and borders may move relative to an LTR before its blocked cells are found
@@ -28,7 +33,9 @@ double factorOf(const LtrView& view) {
 }
 
 bool isUsable(const LtrView& view) {
+  if (view.id < 0 || view.id >= kMostLtrs) return false;
   for (const Eigen::Vector2d& corner : view.corners) {
+    if (!isPlace(corner)) return false;
     if (!((corner - view.corners[0]).norm() <= 0.5 * kWidest_m)) return false;
   }
   const std::int64_t cells = std::int64_t{view.alpha_cells} * view.beta_cells;
@@ -131,7 +138,7 @@ void DoorMap::setLandmarks(const std::vector<SolidLandmark>& landmarks) {
   discs_.clear();
   const double reach_m = 0.5 * config_.vehicle.width_m;
   const auto discOf = [this](const SolidLandmark& landmark) {
-    const bool is_told = std::isfinite(landmark.diameter_m) && landmark.diameter_m >= 0.0;
+    const bool is_told = landmark.diameter_m >= 0.0 && landmark.diameter_m <= kWidestLandmark_m;
     const double diameter_m = is_told ? landmark.diameter_m : config_.landmark_diameter_m;
     return Solid{{landmark.id, landmark.id}, landmark.place, landmark.place, 0.5 * diameter_m};
   };
@@ -139,7 +146,7 @@ void DoorMap::setLandmarks(const std::vector<SolidLandmark>& landmarks) {
     lookAround(disc.from, disc.from, disc.radius_m + reach_m);
   };
   for (const SolidLandmark& landmark : landmarks) {
-    if (!landmark.place.allFinite()) continue;
+    if (!isPlace(landmark.place)) continue;
     landmarks_[landmark.id] = landmark;
     const Solid disc = discOf(landmark);
     const Eigen::Vector2d radius = Eigen::Vector2d::Constant(disc.radius_m);

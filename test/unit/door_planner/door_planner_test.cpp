@@ -274,6 +274,29 @@ TEST(DoorPlanner, LeavesOutLtrsWiderThanTheyCanBe) {
   EXPECT_NE(world.plan({4.0, 9.0}, {14.0, 9.0}).status, PlanStatus::kCancelled);
 }
 
+TEST(DoorPlanner, LeavesOutLtrsOfSenselessNumbers) {
+  TwoSquares world(true);
+  for (const int number : {std::numeric_limits<int>::max(), -1, -7}) {
+    std::vector<LtrView> ltrs = world.mesh.ltrs;
+    ltrs[0].id = number;
+    EXPECT_EQ(world.planner.setLtrs(ltrs), std::vector<int>{number});
+  }
+  EXPECT_TRUE(world.planner.setLtrs(world.mesh.ltrs).empty());
+}
+
+TEST(DoorPlanner, PlansBesideLandmarksOfSenselessSizeAndPlace) {
+  TwoSquares world(true);
+  const PlanStatus status = world.plan({4.0, 9.0}, {14.0, 9.0}).status;
+  std::vector<SolidLandmark> landmarks;
+  for (const double senseless : {1e10, 1e300}) {
+    landmarks.push_back({int(landmarks.size()) + 100, Vector2d(1e6, 1e6), senseless});
+    landmarks.push_back({int(landmarks.size()) + 100, Vector2d(senseless, 0.0), 0.4});
+  }
+  world.planner.setLandmarks(landmarks);
+  world.planner.prepare(Vector2d::Zero());
+  EXPECT_EQ(world.plan({4.0, 9.0}, {14.0, 9.0}).status, status);
+}
+
 TEST(DoorPlanner, ComputesNothingAnewWhenTheMapTurnsAndShifts) {
   World world(wallWithGap(30.0, 4.0));
   const Plan before = world.plan({8.0, 8.0}, {40.0, 8.0});
