@@ -32,6 +32,9 @@ auto withBagErrors(const std::string& path, const Work& work) {
     throw;
   } catch (const rosbag::BagUnindexedException&) {
     throw core::InputError(path + ": the bag was not closed, so it has no index." + reindex);
+  } catch (const NotABag& error) {
+    throw core::InputError(path + ": is no bag (" + error.what() +
+                           "). Older bags become new ones by `rosbag fix`.");
   } catch (const BagCutOff& error) {
     throw core::InputError(path + ": the bag is cut off (" + error.what() + ")." + reindex);
   } catch (const rosbag::BagIOException& error) {

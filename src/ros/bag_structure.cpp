@@ -232,7 +232,9 @@ void checkBagStructure(const std::string& path) {
   const MappedFile file(path);
   const std::string_view content = file.content();
   if (content.substr(0, kMagic.size()) != kMagic) {
-    throw std::runtime_error("it does not begin as bags of version 2.0 do");
+    if (!content.empty() && kMagic.substr(0, content.size()) == content)
+      throw BagCutOff("it has " + std::to_string(content.size()) + " bytes");
+    throw NotABag("it does not begin as bags of version 2.0 do");
   }
   BagWalk(content).check();
 }

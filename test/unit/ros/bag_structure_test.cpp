@@ -82,7 +82,17 @@ TEST(BagStructure, WhatRosWouldTakeForABagIsRefused) {
   const std::string bag = writeBag(folder, rosbag::compression::Uncompressed);
   const std::string path = folder.write("b.bag", replaced(bag, 6, "F"));  // #ROSBAF
   EXPECT_THAT([&] { checkBagStructure(path); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("does not begin")));
+              ThrowsMessage<NotABag>(HasSubstr("does not begin")));
+  EXPECT_THAT([&] { messagesIn(path); },
+              ThrowsMessage<core::InputError>(HasSubstr("b.bag: is no bag")));
+}
+
+TEST(BagStructure, BagThatBreaksOffInItsFirstLineIsCutOff) {
+  const test::TemporaryFolder folder;
+  for (const std::string beginning : {"#", "#ROSBAG V2.0"}) {
+    const std::string path = folder.write("b.bag", beginning);
+    EXPECT_THROW(checkBagStructure(path), BagCutOff);
+  }
 }
 
 TEST(BagStructure, IndexThatLeadsOutOfItsChunkIsRefused) {
