@@ -12,6 +12,7 @@
 #include "common/progress_bar.h"
 #include "datasets/acfr_recording.h"
 #include "pipeline/suite_config.h"
+#include "tools/above_zero.h"
 #include "tools/acfr_bag_writer.h"
 #include "tools/bag_output.h"
 
@@ -44,7 +45,7 @@ void declareOptions(CLI::App& app, Arguments& arguments, std::vector<double>& gp
       ->capture_default_str();
   app.add_option("--gps-deviation", arguments.gps.deviation_m,
                  "standard deviation of a fix, east and north [m], for its covariance")
-      ->check(CLI::PositiveNumber)
+      ->check(aboveZero())
       ->capture_default_str();
 }
 

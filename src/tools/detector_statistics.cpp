@@ -20,6 +20,7 @@
 #include "perception/perception.h"
 #include "pipeline/suite_config.h"
 #include "simulation/simulation.h"
+#include "tools/above_zero.h"
 
 namespace hymm {
 namespace {
@@ -254,7 +255,7 @@ void declareOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--duration", arguments.duration_s, "of the simulated drive [s]; 0 for no limit")
       ->capture_default_str();
   app.add_option("--every", arguments.every, "takes one scan of so many")
-      ->check(CLI::PositiveNumber)
+      ->check(aboveZero())
       ->capture_default_str();
   app.add_option("--config", arguments.configs, "YAML files, applied in order over the defaults");
   app.add_option("--points", arguments.point_scans, "scans whose points are written, too");

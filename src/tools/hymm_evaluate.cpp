@@ -10,6 +10,7 @@
 #include "evaluation/evaluation_report.h"
 #include "evaluation/run_results.h"
 #include "ros/truth_bag.h"
+#include "tools/above_zero.h"
 
 namespace hymm {
 namespace {
@@ -59,11 +60,11 @@ void describe(CLI::App& app, Options& options) {
   app.add_option("--to", options.to_s, "end of the window, s");
   app.add_option("--gate", options.gate_m, "longest distance of a matched landmark, m")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
   app.add_option("--missed-range", options.missed_range_m,
                  "a true landmark that came no nearer to the vehicle is not missed, m")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
 }
 
 void addDatasetTruth(const Options& options, core::Reference& reference) {

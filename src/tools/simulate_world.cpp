@@ -14,6 +14,7 @@
 #include "common/progress_bar.h"
 #include "simulation/simulation.h"
 #include "simulation/world_catalog.h"
+#include "tools/above_zero.h"
 #include "tools/bag_output.h"
 #include "tools/simulation_bag_writer.h"
 
@@ -42,11 +43,10 @@ void declareOptions(CLI::App& app, Arguments& arguments) {
   app.add_flag("--parameters", arguments.parameters, "names what --config can set and ends");
   app.add_option("--world", arguments.world, "which world (see --list); default park");
   app.add_option("--landmarks", arguments.landmarks, "how many; default: the world's own number")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--laps", arguments.laps, "rounds of the route; default 3")
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
+  app.add_option("--laps", arguments.laps, "rounds of the route; default 3")->check(aboveZero());
   app.add_option("--duration", arguments.duration_s, "end the drive after so many seconds")
-      ->check(CLI::PositiveNumber);
+      ->check(aboveZero());
   app.add_option("--seed", arguments.seed, "same seed, same bytes")->capture_default_str();
   app.add_option("--vehicle", arguments.vehicle,
                  "YAML with the group 'vehicle': mountings, wheelbase, noise;"
@@ -62,7 +62,7 @@ void declareOptions(CLI::App& app, Arguments& arguments) {
       ->check(CLI::IsMember({"none", "lz4", "bz2"}))
       ->capture_default_str();
   app.add_option("--map-resolution", arguments.map_resolution_m, "of /truth/map [m]")
-      ->check(CLI::PositiveNumber)
+      ->check(aboveZero())
       ->capture_default_str();
   app.add_option("--output", arguments.output, "bag to write; written as OUTPUT.active until done");
 }

@@ -183,6 +183,14 @@ TEST_F(SimulateWorld, GivesTheSameBytesForTheSameSeed) {
   EXPECT_FALSE(a == core::readFile(file("c.bag")));
 }
 
+TEST_F(SimulateWorld, RefusesDurationsThatAreNoNumberAboveZero) {
+  for (const std::string duration : {"nan", "inf", "0", "-1", "long"}) {
+    EXPECT_NE(simulate("--duration " + duration), 0) << duration;
+    EXPECT_THAT(printed_, HasSubstr("'" + duration + "' is no number above 0"));
+    EXPECT_FALSE(std::filesystem::exists(file("out.bag")));
+  }
+}
+
 TEST_F(SimulateWorld, ServesRobotsWithOnlyOdometry) {
   ASSERT_EQ(simulate("--duration 3 --motion odom"), 0) << printed_;  // 40 Hz, both ends included
   EXPECT_TRUE(messages<DeadReckoning>("/dead_reckoning").empty());
