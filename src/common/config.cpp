@@ -33,7 +33,8 @@ std::string quotedList(const std::vector<std::string>& words) {
 }
 
 std::string scalarText(const YAML::Node& node) {
-  return node.IsScalar() ? "'" + node.Scalar() + "'" : "not a single value";
+  if (node.IsScalar()) return "'" + node.Scalar() + "'";
+  return node.IsSequence() ? "a list" : node.IsMap() ? "a group" : "empty";
 }
 
 /// Reads entries of a schema out of a YAML tree and collects what is wrong with it.
@@ -49,7 +50,13 @@ class ConfigReader {
            "should be a group of parameters, but is " + scalarText(node));
       return;
     }
-    for (const auto& item : node) readItem(prefix + item.first.as<std::string>(), item.second);
+    for (const auto& item : node) {
+      if (item.first.IsScalar()) {
+        readItem(prefix + item.first.Scalar(), item.second);
+      } else {
+        fail(prefix + "?", "has a name that is " + scalarText(item.first));
+      }
+    }
   }
 
  private:

@@ -1,6 +1,7 @@
 #include "pipeline/vehicle_file.h"
 
 #include <algorithm>
+#include <set>
 #include <system_error>
 #include <vector>
 
@@ -61,6 +62,21 @@ std::optional<fs::path> findVehicle(const std::string& name, const VehiclePlaces
   return std::nullopt;
 }
 
+/// YAML forbids it, and its reader takes either. An alias may lead back to what holds it.
+std::optional<std::string> findNameGivenTwice(const YAML::Node& node, int depth) {
+  constexpr int kDeepest = 8;
+  if (!node.IsMap() || depth > kDeepest) return std::nullopt;
+  std::set<std::string> names;
+  for (const auto& item : node) {
+    if (!item.first.IsScalar()) continue;
+    const std::string& name = item.first.Scalar();
+    if (!names.insert(name).second) return "'" + name + "'";
+    const std::optional<std::string> inside = findNameGivenTwice(item.second, depth + 1);
+    if (inside) return "'" + name + "." + inside->substr(1);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool tellsLaser(const YAML::Node& content) {
@@ -85,8 +101,16 @@ std::optional<VehicleDescription> readNamedVehicle(const std::string& name,
 }
 
 std::optional<YAML::Node> readYamlFile(const std::string& file, ConfigReport& report) {
+  std::error_code problem;
+  if (fs::is_directory(file, problem)) {
+    report.errors.push_back(file + ": is a folder; a YAML file is needed.");
+    return std::nullopt;
+  }
   try {
-    return YAML::LoadFile(file);
+    YAML::Node content = YAML::LoadFile(file);
+    const std::optional<std::string> twice = findNameGivenTwice(content, 0);
+    if (!twice) return content;
+    report.errors.push_back(file + ": " + *twice + " is given twice; keep one of them.");
   } catch (const YAML::BadFile&) {
     report.errors.push_back(file + ": cannot be opened; is the path right?");
   } catch (const YAML::Exception& error) {

@@ -88,9 +88,8 @@ TEST(ReadConfig, RefusesNumbersThatAreNone) {
   EXPECT_EQ(errorOf("speed_mps: .inf"),
             "cart.yaml: speed_mps should be a finite number, but is '.inf'.");
   EXPECT_EQ(errorOf("speed_mps: [1, 2]"),
-            "cart.yaml: speed_mps should be a finite number, but is not a single value.");
-  EXPECT_EQ(errorOf("speed_mps:"),
-            "cart.yaml: speed_mps should be a finite number, but is not a single value.");
+            "cart.yaml: speed_mps should be a finite number, but is a list.");
+  EXPECT_EQ(errorOf("speed_mps:"), "cart.yaml: speed_mps should be a finite number, but is empty.");
 }
 
 TEST(ReadConfig, RefusesFractionsForWholeNumbers) {
@@ -100,8 +99,7 @@ TEST(ReadConfig, RefusesFractionsForWholeNumbers) {
 
 TEST(ReadConfig, RefusesFlagsAndTextsOfAnotherType) {
   EXPECT_EQ(errorOf("lights: 7"), "cart.yaml: lights should be true or false, but is '7'.");
-  EXPECT_EQ(errorOf("name: {first: a}"),
-            "cart.yaml: name should be a text, but is not a single value.");
+  EXPECT_EQ(errorOf("name: {first: a}"), "cart.yaml: name should be a text, but is a group.");
 }
 
 TEST(ReadConfig, RefusesValuesOutOfRangeAndSaysTheRange) {
@@ -119,6 +117,12 @@ TEST(ReadConfig, RefusesAValueWhereAGroupShouldBe) {
   EXPECT_EQ(errorOf("wheel: 3"), "cart.yaml: wheel should be a group of parameters, but is '3'.");
   EXPECT_EQ(errorOf("just a text"),
             "cart.yaml: the configuration should be a group of parameters, but is 'just a text'.");
+  EXPECT_EQ(errorOf("[1, 2]"),
+            "cart.yaml: the configuration should be a group of parameters, but is a list.");
+}
+
+TEST(ReadConfig, RefusesNamesThatAreNoTexts) {
+  EXPECT_EQ(errorOf("wheel: {[1, 2]: 3}"), "cart.yaml: wheel.? has a name that is a list.");
 }
 
 TEST(ReadConfig, KeepsTheOldValueOfWhatItRefuses) {

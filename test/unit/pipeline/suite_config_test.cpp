@@ -147,6 +147,31 @@ TEST(SuiteConfig, UnknownNamesWarnWithTheNearestKnownOne) {
                                            HasSubstr("did you mean 'vehicle.length_m'?")));
 }
 
+TEST(SuiteConfig, RefusesNamesThatAreGivenTwice) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.write(
+      "twice.yaml", "cekf_slam:\n  motion_input: odom\n  motion_input: dead_reckoning\n");
+  ConfigReport report;
+  loadSuiteConfig({file}, report);
+  EXPECT_THAT(report.errors,
+              ElementsAre(file + ": 'cekf_slam.motion_input' is given twice; keep one of them."));
+}
+
+TEST(SuiteConfig, RefusesAFolderInPlaceOfAFile) {
+  const test::TemporaryFolder folder;
+  ConfigReport report;
+  loadSuiteConfig({folder.path().string()}, report);
+  EXPECT_THAT(report.errors,
+              ElementsAre(folder.path().string() + ": is a folder; a YAML file is needed."));
+}
+
+TEST(SuiteConfig, ReadsAFileWhoseAliasLeadsBackToItself) {
+  const test::TemporaryFolder folder;
+  ConfigReport report;
+  loadSuiteConfig({folder.write("loop.yaml", "a: &a {b: *a}\n")}, report);
+  EXPECT_THAT(report.errors, IsEmpty());
+}
+
 TEST(SuiteConfig, AFileThatHoldsNoParametersIsAnError) {
   const test::TemporaryFolder folder;
   const std::string file = folder.write("a.yaml", "- a list\n");
