@@ -23,6 +23,9 @@ constexpr double kViewMargin_rad = 0.1;
 // Scans after which a landmark counts as seen, or as never seen.
 constexpr int kEnoughScans = 3;
 
+// Stamps of a sensor's scans are not spaced to the bit.
+constexpr double kSameTime_s = 1e-3;
+
 /// Derivative of the place of a point by the pose that puts it there.
 Eigen::Matrix<double, 2, 3> pointJacobian(const Pose2& pose, const Vector2d& p_local_point) {
   const Vector2d arm = p_local_point - pose.position();
@@ -75,8 +78,8 @@ void ConvergenceConfig::describe(ConfigSchema& schema) {
                  "different landmarks that have to explain a scan");
   schema.number("gate_probability", gate_probability, Range::between(0.5, 0.999999),
                 "chi-square gate of an observation and the landmark that explains it");
-  schema.integer("hold_scans", hold_scans, Range::between(1, 1000),
-                 "scans in a row for which all this has to hold");
+  schema.number("hold_s", hold_s, Range::between(0.0, 60.0),
+                "time for which all this has to hold, scan after scan, three at least");
   schema.number("hold_way_m", hold_way_m, Range::between(0.0, 100.0),
                 "way that is driven meanwhile: standing still, a vehicle learns nothing new");
   schema.number("rival_margin", rival_margin, Range::between(0.0, 1000.0),
@@ -111,11 +114,16 @@ Explanation explainScan(const Pose2& T_local_base, const Matrix3d& covariance,
   return result;
 }
 
-void HeldEvidence::clear() { *this = {}; }
+void HeldEvidence::clear() { *this = HeldEvidence(spacing_s_); }
 
-void HeldEvidence::add(const Explanation& explanation, double way_m) {
-  ++scans_;
+void HeldEvidence::add(double time_s, const Explanation& explanation, double way_m) {
+  if (scans_ == 0) first_s_ = time_s;
+  last_s_ = time_s;
   way_m_ += way_m;
+  const bool counts = scans_ == 0 || time_s - counted_s_ > spacing_s_ - kSameTime_s;
+  ++scans_;
+  if (!counts) return;
+  counted_s_ = time_s;
   observations_ += explanation.observations;
   explained_ += explanation.explained;
   for (const int id : explanation.seen) ++landmarks_[id].seen;
@@ -168,7 +176,8 @@ std::string findDoubt(const std::vector<ParticleMode>& modes, const Explanation&
 }
 
 std::string findDoubt(const HeldEvidence& evidence, const ConvergenceConfig& config) {
-  if (evidence.scans() < config.hold_scans || evidence.way_m() < config.hold_way_m) {
+  const bool is_short = evidence.lasting_s() < config.hold_s - kSameTime_s;
+  if (is_short || evidence.way_m() < config.hold_way_m) {
     return "it has not held for long enough";
   }
   if (evidence.explainedShare() < config.least_explained) {

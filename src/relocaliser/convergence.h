@@ -23,10 +23,12 @@ struct ConvergenceConfig {
   double most_absent = 0.2;         ///< landmarks that are never seen, for each that mostly is
   int least_landmarks = 3;          ///< that explain observations
   double gate_probability = 0.99;   ///< of an observation and the landmark that explains it
-  int hold_scans = 5;               ///< in a row for which all this holds
+  double hold_s = 0.8;              ///< for which all this holds, scan after scan
   double hold_way_m = 8.0;          ///< driven meanwhile
   double rival_margin = 12.0;       ///< log likelihood by which every other place has to be worse
 
+  /// Scans nearer to each other count as one: they show the same from the same place.
+  double holdSpacing_s() const { return 0.25 * hold_s; }
   void describe(ConfigSchema& schema);
 };
 
@@ -44,9 +46,15 @@ struct Explanation {
 /// What speaks for one mode, scan by scan, for as long as nothing speaks against it.
 class HeldEvidence {
  public:
+  /// Scans nearer to the one before count for their time and way only.
+  explicit HeldEvidence(double spacing_s) : spacing_s_(spacing_s) {}
+
   void clear();
-  void add(const Explanation& explanation, double way_m);
+  /// In order of time.
+  void add(double time_s, const Explanation& explanation, double way_m);
+  /// All that were added.
   int scans() const { return scans_; }
+  double lasting_s() const { return last_s_ - first_s_; }
   double way_m() const { return way_m_; }
   double explainedShare() const;
   /// Landmarks that were seen in most of the scans that should show them.
@@ -61,7 +69,10 @@ class HeldEvidence {
     int missed = 0;
   };
 
+  double spacing_s_;
   int scans_ = 0;
+  double first_s_ = 0.0, last_s_ = 0.0;
+  double counted_s_ = 0.0;  ///< the last scan that counts
   double way_m_ = 0.0;
   int observations_ = 0;
   int explained_ = 0;

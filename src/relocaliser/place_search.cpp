@@ -14,6 +14,9 @@ namespace {
 // likelihood, is not looked in any more: what eight observations more make that are explained.
 constexpr double kHopeless = 25.0;
 
+// Of the time by whose scans maps are compared, what has to be over before one is given up.
+constexpr double kMostOfRecent = 0.85;
+
 Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const Pose2& T) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() = T.rotation();
@@ -195,14 +198,17 @@ void PlaceSearch::weighMaps() {
     best_ = i;
   }
   if (!std::isfinite(greatest)) return;
+  if (scans_ == 0) told_from_s_ = time_s_;
   ++scans_;
+  const bool has_recent = scans_ >= static_cast<int>(RecentScans::kFewest) &&
+                          time_s_ - told_from_s_ > kMostOfRecent * config_.recent_s;
   double sum = 0.0;
   for (std::size_t i = 0; i < maps_.size(); ++i) {
     SearchedMap& map = maps_[i];
     const double behind = greatest - map.log_likelihood;
     shares_[i] = map.is_left ? 0.0 : std::exp(-behind);
     sum += shares_[i];
-    if (scans_ < config_.recent_scans || i == best_) continue;
+    if (!has_recent || i == best_) continue;
     if (behind > kHopeless || isSamePlace(map)) map.is_left = true;
   }
   for (double& share : shares_) share /= sum;

@@ -1,8 +1,16 @@
 #include "relocaliser/recent_scans.h"
 
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace hymm::core {
+namespace {
+
+constexpr double kParts = 10.0;
+constexpr double kSameTime_s = 1e-3;  // stamps of a sensor's scans are not spaced to the bit
+
+}  // namespace
 
 void RecentScans::move(const Pose2& T_then_now, const Eigen::Matrix3d& covariance) {
   const Pose2 T_now_then = inverse(T_then_now);
@@ -15,9 +23,16 @@ void RecentScans::move(const Pose2& T_then_now, const Eigen::Matrix3d& covarianc
   }
 }
 
-void RecentScans::add(std::vector<ObservedPoint> points) {
-  scans_.push_back({std::move(points), {}, Eigen::Matrix3d::Zero()});
-  if (scans_.size() > most_) scans_.pop_front();
+void RecentScans::add(double time_s, std::vector<ObservedPoint> points) {
+  const double spacing_s = duration_s_ / kParts;
+  const bool newest_is_near =
+      scans_.size() >= 2 &&
+      scans_.back().time_s - std::prev(scans_.end(), 2)->time_s < spacing_s - kSameTime_s;
+  if (newest_is_near) scans_.pop_back();
+  scans_.push_back({time_s, std::move(points), {}, Eigen::Matrix3d::Zero()});
+  while (scans_.size() > kFewest && time_s - scans_.front().time_s > duration_s_ - kSameTime_s) {
+    scans_.pop_front();
+  }
 }
 
 std::vector<ObservedPoint> RecentScans::points() const {

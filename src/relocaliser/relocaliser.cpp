@@ -38,7 +38,8 @@ Relocaliser::Relocaliser(const RelocaliserConfig& config, const VehicleConfig& v
       generator_(generator),
       filter_(config.particles),
       motion_(vehicle, calibration),
-      recent_(static_cast<std::size_t>(config.recent_scans)) {}
+      recent_(config.recent_s),
+      held_(config.convergence.holdSpacing_s()) {}
 
 void Relocaliser::beginGlobally(LocalMap map, double time_s) {
   map_ = std::move(map);
@@ -77,7 +78,7 @@ std::optional<RelocaliserOutcome> Relocaliser::process(const ObservationSet& set
   motion_.advance(set.time_s);
   if (prior_) prior_ = moved(*prior_, motion_);
   recent_.move(motion_.T_begin_end(), motion_.covariance());
-  recent_.add(points);
+  recent_.add(set.time_s, points);
   bool resampled = false;
   if (started_) {
     filter_.move(motion_.step(), generator_);
@@ -148,7 +149,7 @@ RelocaliserOutcome Relocaliser::judge(const std::vector<ObservedPoint>& points,
   }
   outcome.doubt = findDoubt(outcome.modes, outcome.explanation, limit, config_.convergence);
   if (outcome.doubt.empty()) {
-    held_.add(outcome.explanation, motion_.T_begin_end().position().norm());
+    held_.add(*time_s_, outcome.explanation, motion_.T_begin_end().position().norm());
     outcome.doubt = findDoubt(held_, config_.convergence);
     if (outcome.doubt.empty() && !is_unrivalled_) {
       is_unrivalled_ = !hasRival(outcome.modes.front().mean, points);

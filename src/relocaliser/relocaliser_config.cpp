@@ -18,8 +18,8 @@ void RelocaliserConfig::describe(ConfigSchema& schema) {
                 "range within which a landmark that is not hidden should be observed");
   schema.number("field_of_view_rad", field_of_view_rad, Range{0.1, 6.2832},
                 "of the sensor, symmetric about its x axis");
-  schema.integer("recent_scans", recent_scans, Range::between(1, 100),
-                 "scans by which the outcome is compared with all other places");
+  schema.number("recent_s", recent_s, Range::between(0.1, 60.0),
+                "time by whose scans, ten at most, the outcome is compared with all other places");
   schema.integer("rivals", rivals, Range::between(1000, 5000000),
                  "other places that the outcome is compared with");
   schema.number("rival_distance_m", rival_distance_m, Range{0.1, 100.0},

@@ -21,7 +21,7 @@ struct RelocaliserConfig {
   double range_m = 30.0;           ///< farthest at which landmarks are observed
   double expected_range_m = 20.0;  ///< within which they should be
   double field_of_view_rad = kPi;
-  int recent_scans = 10;          ///< by which the outcome is compared with all other places
+  double recent_s = 2.0;          ///< by whose scans the outcome is compared with all other places
   int rivals = 30000;             ///< other places that it is compared with
   double rival_distance_m = 1.5;  ///< beyond it a pose is another place
   double rival_angle_rad = 0.2;
