@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "cekf/diameter_states.h"
 #include "cekf/landmark_measurement.h"
+#include "cekf/landmark_sighting.h"
 #include "cekf/relinearisation.h"
 #include "common/angles.h"
 #include "common/chi_square.h"
@@ -56,51 +57,49 @@ double jointDistance2(const std::vector<SparseMeasurement>& measurements,
 PathClosing::PathClosing(const ResumptionConfig& config, bool at_first_estimates)
     : config_(config), at_first_estimates_(at_first_estimates) {}
 
-std::optional<SparseMeasurement> PathClosing::tryPair(
-    const Observation& observation, const Pose2& T_map_base, const SensorPlacement& sensor,
-    const LandmarkRegistry& registry, CompressedEkf& filter, Observation& sighting) const {
-  const LocatedLandmark located =
+/// The one landmark near where the observation lies, if it is alone there.
+std::optional<PathClosing::Pair> PathClosing::tryPair(const Observation& observation,
+                                                      const Pose2& T_map_base,
+                                                      const SensorPlacement& sensor,
+                                                      const LandmarkRegistry& registry,
+                                                      CompressedEkf& filter) const {
+  const Vector2d place =
       locateLandmark(T_map_base, sensor.T_base_sensor, observation.range_m - sensor.range_offset_m,
-                     observation.bearing_rad);
-  const double reach_m = (1.0 + kClearance) * config_.plain_distance_m;
-  const VectorXd vehicle_change = statesAt(T_map_base, filter) - filter.vehicle();
-  const double gate = config_.most_inflation * chiSquareQuantile(kTiedProbability, 2);
-  std::optional<SparseMeasurement> best;
-  double nearest_m = config_.plain_distance_m, second_m = reach_m;
-  for (const int slot : registry.slotsNear(located.position, reach_m)) {
+                     observation.bearing_rad)
+          .position;
+  const double clearance_m = kClearance * config_.plain_distance_m;
+  std::optional<Pair> best;
+  double second_m = config_.plain_distance_m + clearance_m;
+  for (const int slot : registry.slotsNear(place, second_m)) {
     const RegisteredLandmark& landmark = registry.bySlot(slot);
     if (!mayBeOneKind(observation.type, landmark.type)) continue;
-    filter.activate(slot);
-    const DiameterState& diameter = landmark.diameter_state;
-    Observation conditioned = observation;
-    const bool by_diameter = diameter.exists() && dependsOnDiameter(observation);
-    if (by_diameter) {
-      filter.activate(diameter.slot);
-      conditioned = conditionedOnDiameter(observation, DiameterStates::mean(diameter, filter));
-    }
-    SparseMeasurement measurement = landmarkMeasurement(
-        conditioned, T_map_base, sensor, {slot, filter.landmark(slot)}, filter.vehicleStates());
-    if (by_diameter) {
-      measurement.landmarks[SparseMeasurement::kDiameter] = diameter.slot;
-      measurement.H_landmarks[SparseMeasurement::kDiameter].col(diameter.half) =
-          -diameterGain(conditioned);
-    }
-    const Vector2d innovation = measurement.innovation + measurement.H_vehicle * vehicle_change;
-    const Matrix2d S = filter.innovationCovariance(measurement, measurement) + measurement.noise;
-    if (innovation.dot(S.inverse() * innovation) > gate) continue;
-    const double distance_m = (filter.landmark(slot) - located.position).norm();
-    if (distance_m < nearest_m) {
-      second_m = best ? nearest_m : second_m;
-      nearest_m = distance_m;
-      measurement.innovation = innovation;
-      best = measurement;
-      sighting = conditioned;
-    } else {
-      second_m = std::min(second_m, distance_m);
-    }
+    std::optional<Pair> pair = pairWith(landmark, observation, T_map_base, sensor, filter);
+    if (!pair) continue;
+    pair->distance_m = (filter.landmark(slot) - place).norm();
+    const bool is_nearest = pair->distance_m < (best ? best->distance_m : config_.plain_distance_m);
+    if (is_nearest) std::swap(best, pair);
+    if (pair) second_m = std::min(second_m, pair->distance_m);
   }
-  if (second_m < nearest_m + kClearance * config_.plain_distance_m) return std::nullopt;
+  if (best && second_m < best->distance_m + clearance_m) return std::nullopt;
   return best;
+}
+
+/// Nothing if the covariance ties the landmark to the vehicle's own, wrong place.
+std::optional<PathClosing::Pair> PathClosing::pairWith(const RegisteredLandmark& landmark,
+                                                       const Observation& observation,
+                                                       const Pose2& T_map_base,
+                                                       const SensorPlacement& sensor,
+                                                       CompressedEkf& filter) const {
+  Pair pair{observation, {}};
+  pair.measurement = sightLandmark(pair.sighting, T_map_base, sensor, landmark, filter);
+  const VectorXd vehicle_change = statesAt(T_map_base, filter) - filter.vehicle();
+  Vector2d& innovation = pair.measurement.innovation;
+  innovation += pair.measurement.H_vehicle * vehicle_change;
+  const Matrix2d S =
+      filter.innovationCovariance(pair.measurement, pair.measurement) + pair.measurement.noise;
+  const double gate = config_.most_inflation * chiSquareQuantile(kTiedProbability, 2);
+  if (innovation.dot(S.inverse() * innovation) > gate) return std::nullopt;
+  return pair;
 }
 
 ScanAssociation PathClosing::associate(const ObservationSet& set, const Pose2& T_map_base,
@@ -113,21 +112,20 @@ ScanAssociation PathClosing::associate(const ObservationSet& set, const Pose2& T
   result.claimed.assign(n, true);  // the scan that closes the loop makes no new landmarks
   result.ignored.assign(n, false);
   const SensorPlacement sensor = vehicle.placement(set.T_base_sensor, statesAt(T_map_base, filter));
-  std::vector<std::optional<SparseMeasurement>> pairs(n);
-  std::vector<Observation> sightings(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    pairs[i] = tryPair(set.observations[i], T_map_base, sensor, registry, filter, sightings[i]);
+  std::vector<std::optional<Pair>> pairs;
+  for (const Observation& observation : set.observations) {
+    pairs.push_back(tryPair(observation, T_map_base, sensor, registry, filter));
   }
   for (std::size_t i = 0; i < n; ++i) {
     if (!pairs[i]) continue;
-    const int slot = pairs[i]->landmarks[0];
+    const int slot = pairs[i]->measurement.landmarks[0];
     const auto claims = std::count_if(pairs.begin(), pairs.end(), [&](const auto& pair) {
-      return pair && pair->landmarks[0] == slot;
+      return pair && pair->measurement.landmarks[0] == slot;
     });
     if (claims > 1) continue;
     result.slots[i] = slot;
-    result.measurements.push_back(*pairs[i]);
-    result.sightings.push_back(sightings[i]);
+    result.measurements.push_back(pairs[i]->measurement);
+    result.sightings.push_back(pairs[i]->sighting);
   }
   return result;
 }

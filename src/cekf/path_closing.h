@@ -49,10 +49,19 @@ class PathClosing {
  private:
   using Measurements = std::vector<SparseMeasurement>;
 
-  std::optional<SparseMeasurement> tryPair(const Observation& observation, const Pose2& T_map_base,
-                                           const SensorPlacement& sensor,
-                                           const LandmarkRegistry& registry, CompressedEkf& filter,
-                                           Observation& sighting) const;
+  /// An observation taken to be of a landmark.
+  struct Pair {
+    Observation sighting;
+    SparseMeasurement measurement;
+    double distance_m = 0.0;
+  };
+
+  std::optional<Pair> tryPair(const Observation& observation, const Pose2& T_map_base,
+                              const SensorPlacement& sensor, const LandmarkRegistry& registry,
+                              CompressedEkf& filter) const;
+  std::optional<Pair> pairWith(const RegisteredLandmark& landmark, const Observation& observation,
+                               const Pose2& T_map_base, const SensorPlacement& sensor,
+                               CompressedEkf& filter) const;
   Measurements linearised(const ScanAssociation& association, const ObservationSet& set,
                           const Eigen::VectorXd& vehicle_at, const Eigen::VectorXd* landmarks_at,
                           const VehicleState& vehicle, const CompressedEkf& filter) const;

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "cekf/landmark_measurement.h"
+#include "cekf/landmark_sighting.h"
 #include "cekf/pairing_evidence.h"
 #include "cekf/relinearisation.h"
 #include "cekf/vehicle_state.h"
@@ -69,22 +70,8 @@ ScanAssociator::ScanAssociator(const AssociationConfig& config, std::optional<do
 SparseMeasurement ScanAssociator::measure(Observation& sighting, const SensorPlacement& sensor,
                                           RegisteredLandmark& landmark,
                                           CompressedEkf& filter) const {
-  filter.activate(landmark.slot);
-  const DiameterState& diameter = landmark.diameter_state;
-  const bool by_diameter = diameter.exists() && dependsOnDiameter(sighting);
-  if (by_diameter) {
-    filter.activate(diameter.slot);
-    sighting = conditionedOnDiameter(sighting, DiameterStates::mean(diameter, filter));
-  }
   const Pose2 pose = VehicleState::pose(filter);
-  const int states = filter.vehicleStates();
-  SparseMeasurement measurement = landmarkMeasurement(
-      sighting, pose, sensor, {landmark.slot, filter.landmark(landmark.slot)}, states);
-  if (by_diameter) {
-    measurement.landmarks[SparseMeasurement::kDiameter] = diameter.slot;
-    measurement.H_landmarks[SparseMeasurement::kDiameter].col(diameter.half) =
-        -diameterGain(sighting);
-  }
+  SparseMeasurement measurement = sightLandmark(sighting, pose, sensor, landmark, filter);
   if (landmark.lasting_error.exists()) {
     lasting_errors_.goOn((pose * sensor.T_base_sensor).position(), landmark, filter);
     lasting_errors_.include(landmark.lasting_error, filter, sighting, measurement);
@@ -94,7 +81,7 @@ SparseMeasurement ScanAssociator::measure(Observation& sighting, const SensorPla
     if ((place - landmark.linearised_at).norm() > *relinearise_m_) {
       relinearise(landmark, place, filter);
     }
-    linearise(measurement, pose, sensor, landmark.linearised_at, states);
+    linearise(measurement, pose, sensor, landmark.linearised_at, filter.vehicleStates());
   }
   return measurement;
 }
