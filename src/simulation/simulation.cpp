@@ -68,10 +68,12 @@ struct Simulation::State {
         detection_clock(c.detections.enabled, c.detections.rate_hz),
         gps_clock(c.gps.enabled, c.gps.rate_hz) {}
 
+  static MotionInput atRest(MotionInput input);
   SimulatedEvent moveOn();
   SimulatedEvent takeScan();
   SimulatedEvent detectLandmarks();
   std::optional<SimulatedEvent> fixPosition();
+  std::optional<SimulatedEvent> nextOf();
   std::optional<double> measureHeight(const Pose2& T_map_base);
 
   Scene sceneAt(double time_s, const Eigen::Vector2d& place, double range_m) const;
@@ -121,6 +123,15 @@ std::vector<Disc> Simulation::State::reflectorsNear(const Eigen::Vector2d& place
   return discs;
 }
 
+/// What the encoders say of a car whose wheels do not turn.
+MotionInput Simulation::State::atRest(MotionInput input) {
+  if (auto* readings = std::get_if<AckermannInput>(&input)) readings->speed_mps = 0.0;
+  if (auto* twist = std::get_if<TwistInput>(&input)) {
+    *twist = {twist->time_s, 0.0, 0.0, 0.0, std::nullopt};
+  }
+  return input;
+}
+
 SimulatedEvent Simulation::State::moveOn() {
   const double time_s = motion_clock.next_s();
   motion_clock.advance();
@@ -128,7 +139,8 @@ SimulatedEvent Simulation::State::moveOn() {
   const bool late = config.drive.duration_s > 0.0 &&
                     motion_clock.next_s() > kStartTime_s + config.drive.duration_s;
   ended = vehicle.isDone() || late;
-  return {input, vehicle.T_map_base(time_s), {}, {}};
+  return {
+      config.drive.isCarriedAt(time_s) ? atRest(input) : input, vehicle.T_map_base(time_s), {}, {}};
 }
 
 SimulatedEvent Simulation::State::takeScan() {
@@ -188,18 +200,25 @@ Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
+/// Nothing where the next sensor has nothing to say.
+std::optional<SimulatedEvent> Simulation::State::nextOf() {
+  const double motion_s = motion_clock.next_s();
+  const double scan_s = scan_clock.next_s();
+  const double detection_s = detection_clock.next_s();
+  const double first_s = std::min({motion_s, scan_s, detection_s, gps_clock.next_s()});
+  if (first_s == motion_s) return moveOn();
+  if (first_s == scan_s) return takeScan();
+  if (first_s == detection_s) return detectLandmarks();
+  return fixPosition();
+}
+
 std::optional<SimulatedEvent> Simulation::next() {
   State& state = *state_;
   while (!state.ended) {
-    const double motion_s = state.motion_clock.next_s();
-    const double scan_s = state.scan_clock.next_s();
-    const double detection_s = state.detection_clock.next_s();
-    const double gps_s = state.gps_clock.next_s();
-    const double first_s = std::min({motion_s, scan_s, detection_s, gps_s});
-    if (first_s == motion_s) return state.moveOn();
-    if (first_s == scan_s) return state.takeScan();
-    if (first_s == detection_s) return state.detectLandmarks();
-    if (auto fix = state.fixPosition()) return fix;
+    std::optional<SimulatedEvent> simulated = state.nextOf();
+    if (!simulated) continue;
+    const bool is_motion = std::holds_alternative<MotionInput>(simulated->event);
+    if (is_motion || !state.config.drive.isCarriedAt(timeOf(simulated->event))) return simulated;
   }
   return std::nullopt;
 }

@@ -24,6 +24,10 @@ void DriveConfig::describe(ConfigSchema& schema) {
                 "limits the speed in curves");
   schema.number("steering_rate_radps", steering_rate_radps, Range::positive(),
                 "how fast the front wheel turns");
+  schema.number("carried_at_s", carried_at_s, Range::notNegative(),
+                "stamp from which the car is carried on along its way: it has been kidnapped");
+  schema.number("carried_for_s", carried_for_s, Range::notNegative(),
+                "so long; the encoders stand still meanwhile, and nothing else is heard; 0: never");
 }
 
 void SimulatedMotionConfig::describe(ConfigSchema& schema) {

@@ -28,6 +28,13 @@ struct DriveConfig {
   double acceleration_mps2 = 1.0;
   double lateral_acceleration_mps2 = 1.5;  ///< limits the speed in curves
   double steering_rate_radps = 0.6;
+  /// The car is carried on along its way, with the wheels at rest and all sensors covered.
+  double carried_at_s = 0.0;
+  double carried_for_s = 0.0;  ///< 0: never
+
+  bool isCarriedAt(double time_s) const {
+    return time_s >= carried_at_s && time_s < carried_at_s + carried_for_s;
+  }
 
   void describe(ConfigSchema& schema);
 };

@@ -30,19 +30,6 @@ struct Arguments {
   std::vector<std::string> configs;
 };
 
-/// What the sensors say of a vehicle that is carried.
-std::optional<core::SensorEvent> whileCarried(const core::SensorEvent& event) {
-  if (const auto* input = std::get_if<core::MotionInput>(&event)) {
-    core::MotionInput standing = *input;
-    if (auto* readings = std::get_if<core::AckermannInput>(&standing)) readings->speed_mps = 0.0;
-    if (auto* twist = std::get_if<core::TwistInput>(&standing)) {
-      *twist = {twist->time_s, 0.0, 0.0, 0.0, std::nullopt};
-    }
-    return standing;
-  }
-  return std::nullopt;
-}
-
 void printScan(const core::SupervisorStage& supervisor, const core::Pose2& truth) {
   const core::SupervisorDecision& decision = supervisor.decision();
   const core::PoseEstimate& pose = supervisor.pose();
@@ -62,10 +49,11 @@ void drive(const Arguments& arguments) {
   core::ConfigReport report;
   core::SuiteConfig suite = core::loadSuiteConfig(arguments.configs, report);
   report.throwIfUnusable();
-  suite.supervisor.switching.automatic = true;
   core::SimulationConfig world;
   world.world.name = arguments.world;
   world.drive.laps = arguments.laps;
+  world.drive.carried_at_s = arguments.carry_at_s;
+  world.drive.carried_for_s = arguments.carry_for_s;
   world.motion.noise_scale = arguments.noise_scale;
   world.gps.enabled = false;
   suite.vehicle = core::simulatedCar();
@@ -76,14 +64,8 @@ void drive(const Arguments& arguments) {
   std::size_t scans = 0;
   core::Pose2 truth, last_truth;
   while (auto simulated = simulation.next()) {
-    const double time_s = core::timeOf(simulated->event);
-    const bool is_carried =
-        time_s >= arguments.carry_at_s && time_s < arguments.carry_at_s + arguments.carry_for_s;
-    const std::optional<core::SensorEvent> event =
-        is_carried ? whileCarried(simulated->event) : simulated->event;
-    if (!event) continue;
-    run.process(*event);
-    const bool is_scan = !std::holds_alternative<core::MotionInput>(*event);
+    run.process(simulated->event);
+    const bool is_scan = !std::holds_alternative<core::MotionInput>(simulated->event);
     if (is_scan) truth = simulated->T_map_base;
     if (run.scans() == scans) continue;
     scans = run.scans();

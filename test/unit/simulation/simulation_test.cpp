@@ -468,5 +468,21 @@ TEST(Simulation, RefusesAnUnknownWorldAndNamesTheNearest) {
   }
 }
 
+TEST(Simulation, CarriesTheCarWithItsSensorsCoveredAndItsWheelsAtRest) {
+  SimulationConfig config = shortDrive("park");
+  const auto driven = all(config);
+  config.drive.carried_at_s = 8.0;
+  config.drive.carried_for_s = 4.0;
+  const auto carried = all(config);
+  for (const SimulatedEvent& e : carried) {
+    if (!config.drive.isCarriedAt(timeOf(e.event))) continue;
+    const auto* motion = std::get_if<MotionInput>(&e.event);
+    ASSERT_NE(motion, nullptr);
+    EXPECT_EQ(std::get<AckermannInput>(*motion).speed_mps, 0.0);
+  }
+  EXPECT_LT(carried.size(), driven.size());
+  EXPECT_EQ(carried.back().T_map_base.vector(), driven.back().T_map_base.vector());
+}
+
 }  // namespace
 }  // namespace hymm::core
