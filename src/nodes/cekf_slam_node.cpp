@@ -238,7 +238,13 @@ bool CekfSlamNode::resume(Resume::Request& request, Resume::Response& response) 
   } else if (request.way == Resume::Request::ELSEWHERE) {
     resumption = filter_.resumeElsewhere(from_s, fromMessage(request.path));
   } else if (request.way == Resume::Request::WITHOUT_CLOSING) {
-    resumption = filter_.resumeWithoutClosing(from_s);
+    const bool from_waiting = request.since.isZero();
+    if (from_waiting && !filter_.isSuspended()) {
+      response.message = "The filter does not wait anywhere.";
+      return true;
+    }
+    resumption =
+        filter_.resumeWithoutClosing(from_waiting ? filter_.localStates()->newest_s : from_s);
   } else {
     response.message =
         "There is no way " + std::to_string(request.way) + " of resuming; see hymm/Resume.srv.";

@@ -23,8 +23,13 @@ constexpr double kLandmarkWait_s = 0.2;  // by the wall, for the landmarks of a 
 }  // namespace
 
 SupervisorNode::SupervisorNode(const core::SupervisorConfig& config,
+                               const core::CekfSlamConfig& filter,
                                const core::VehicleConfig& vehicle)
     : config_(config),
+      of_detections_(filter.observation_input == "detections"),
+      old_landmarks_(config.old_landmarks),
+      first_order_(ros::WallTime::now().toNSec() / 1000U),
+      orders_(first_order_),
       transforms_(tf_, causes_),
       relocaliser_(handle_, [this] { processAnswers(); }),
       map_odom_(tf_, vehicle, config.transform_wait_s),
@@ -144,10 +149,11 @@ void SupervisorNode::process(const FilterAnswer& answer) {
   publishPose(answer);
   evidence_ = core::evidenceAtScan(fromMessage(answer.health));
   const core::PoseEstimate pose = fromMessage(answer.pose);
+  evidence_.of_detections = of_detections_;
+  evidence_.waits = answer.pose.suspended != 0U;
   evidence_.scan.disagreement = agreement_.disagreementAt(pose.time_s);
-  const core::OldLandmarksInView old = core::countOldLandmarksInView(
-      landmarks_.map().landmarks, pose.T_map_base * pose.T_base_sensor, pose.time_s,
-      config_.old_landmarks);
+  const core::OldLandmarksInView old = old_landmarks_.look(
+      landmarks_.map().landmarks, pose.T_map_base * pose.T_base_sensor, pose.time_s);
   evidence_.scan.old_landmarks_expected = old.expected;
   evidence_.scan.unseen = old.unseenShare();
   decide(header.stamp);
@@ -260,10 +266,11 @@ void SupervisorNode::decide(const ros::Time& stamp) {
 /// What the relocaliser has to do, `filter_status` tells it.
 void SupervisorNode::act() {
   if (decision_.action == core::SupervisorAction::kBeginRelocalising) ++orders_;
-  if (decision_.action != core::SupervisorAction::kResumeWithoutClosing) return;
+  const bool ends_waiting = decision_.action == core::SupervisorAction::kEndWaiting;
+  if (!ends_waiting && decision_.action != core::SupervisorAction::kResumeWithoutClosing) return;
   Resume service;
   service.request.way = Resume::Request::WITHOUT_CLOSING;
-  service.request.since = toRosTime(decision_.from_s);
+  if (!ends_waiting) service.request.since = toRosTime(decision_.from_s);
   calls_.run([name = handle_.resolveName("resume"), service]() mutable {
     if (!ros::service::call(name, service)) {
       ROS_ERROR_STREAM("The service '" << name << "' does not answer; does cekf_slam run?");
@@ -304,6 +311,7 @@ void SupervisorNode::beginRecording() {
 /// What was doubted of the map before, and searched for in it, ends with it.
 void SupervisorNode::beginMap() {
   decision_.state = {};
+  old_landmarks_.clear();
   trajectory_.clear();
   dead_reckoning_.clear();
   gps_.clear();
@@ -326,7 +334,7 @@ void SupervisorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.add("landmark version", landmarks_.map().version);
   status.add("poses of the trajectory", trajectory_.message().poses.size());
   status.add("mode switches", mode_switches_);
-  status.add("orders to the relocaliser", orders_);
+  status.add("orders to the relocaliser", orders_ - first_order_);
   for (const core::EvidenceFigure& figure : decision_.figures)
     status.add(figure.name, figure.value);
   for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);

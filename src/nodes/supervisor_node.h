@@ -38,7 +38,9 @@ namespace hymm {
 /// that decisions depend on stamps, not on when messages arrive.
 class SupervisorNode {
  public:
-  SupervisorNode(const core::SupervisorConfig& config, const core::VehicleConfig& vehicle);
+  /// `filter`: the parameters of cekf_slam, for what it takes observations from.
+  SupervisorNode(const core::SupervisorConfig& config, const core::CekfSlamConfig& filter,
+                 const core::VehicleConfig& vehicle);
 
  private:
   void subscribe();
@@ -67,6 +69,7 @@ class SupervisorNode {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   core::SupervisorConfig config_;
+  bool of_detections_;
   core::SupervisorDecision decision_;
   core::SupervisorEvidence evidence_;
   FilterPairing pairing_;
@@ -77,7 +80,11 @@ class SupervisorNode {
   std::deque<Waiting> answers_;  ///< not decided on yet
   core::LandmarkMirror landmarks_;
   core::GridAgreement agreement_;
-  std::uint64_t orders_ = 0;  ///< to the relocaliser
+  core::OldLandmarkWatch old_landmarks_;
+  /// Number of the order before the first. Orders of one that was started anew go on by the clock,
+  /// so that the relocaliser takes none for one that it has obeyed.
+  std::uint64_t first_order_;
+  std::uint64_t orders_;  ///< to the relocaliser: the last one's number
   CauseLog causes_;
   TrafficMeter traffic_;
   double worst_latency_ms_ = 0.0;  ///< since the last diagnosis

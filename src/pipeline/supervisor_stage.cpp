@@ -1,5 +1,8 @@
 #include "pipeline/supervisor_stage.h"
 
+#include <optional>
+#include <variant>
+
 #include "pipeline/grid_stage.h"
 #include "pipeline/relocaliser_stage.h"
 
@@ -62,9 +65,10 @@ SupervisorEvidence SupervisorStage::evidenceOf(const ScanStep& step) {
   const PoseEstimate& pose = step.outcome.pose;
   SupervisorEvidence evidence = evidenceAtScan(step.outcome.health);
   evidence.scan.disagreement = agreement_.disagreementAt(pose.time_s);
-  const OldLandmarksInView old =
-      countOldLandmarksInView(landmarks_.map().landmarks, pose.T_map_base * pose.T_base_sensor,
-                              pose.time_s, config_.old_landmarks);
+  evidence.of_detections = std::holds_alternative<ObservationSet>(step.event);
+  evidence.waits = step.outcome.suspended;
+  const OldLandmarksInView old = old_landmarks_.look(
+      landmarks_.map().landmarks, pose.T_map_base * pose.T_base_sensor, pose.time_s);
   evidence.scan.old_landmarks_expected = old.expected;
   evidence.scan.unseen = old.unseenShare();
   if (relocaliser_ != nullptr) evidence.relocaliser = evidenceFrom(relocaliser_->report());
@@ -76,15 +80,18 @@ void SupervisorStage::act(CekfSlam& filter) {
     relocaliser_->begin({++orders_, decision_.from_s, pose_.time_s}, filter);
     return;
   }
-  if (decision_.action == SupervisorAction::kResumeWithoutClosing) {
-    if (!filter.resumeWithoutClosing(decision_.from_s).accepted()) ++refused_returns_;
-  }
+  std::optional<double> from_s;
+  if (decision_.action == SupervisorAction::kResumeWithoutClosing) from_s = decision_.from_s;
+  const auto kept = filter.localStates();  // while the filter waits, up to where it does
+  if (decision_.action == SupervisorAction::kEndWaiting && kept) from_s = kept->newest_s;
+  if (from_s && !filter.resumeWithoutClosing(*from_s).accepted()) ++refused_returns_;
   if (relocaliser_ != nullptr && has_switched_) relocaliser_->end();
 }
 
 void SupervisorStage::reset(double) {
   landmarks_ = LandmarkMirror();
   agreement_.clear();
+  old_landmarks_.clear();
   decision_ = {};
 }
 

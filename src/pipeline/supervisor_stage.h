@@ -15,7 +15,8 @@ class SupervisorStage : public SuiteStage {
  public:
   static constexpr const char* kName = "supervisor";
 
-  explicit SupervisorStage(const SupervisorConfig& config) : config_(config) {}
+  explicit SupervisorStage(const SupervisorConfig& config)
+      : config_(config), old_landmarks_(config.old_landmarks) {}
 
   /// Either may be missing; they outlive the stage.
   void watch(const GridStage* grid, RelocaliserStage* relocaliser);
@@ -43,6 +44,7 @@ class SupervisorStage : public SuiteStage {
   RelocaliserStage* relocaliser_ = nullptr;
   LandmarkMirror landmarks_;
   GridAgreement agreement_;
+  OldLandmarkWatch old_landmarks_;
   SupervisorDecision decision_;
   bool has_switched_ = false;
   PoseEstimate pose_;

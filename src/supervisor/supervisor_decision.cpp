@@ -34,6 +34,13 @@ Transition goOnWithoutClosing(const std::string& why) {
           why + " The CEKF goes on from where it was in good order, without closing the loop."};
 }
 
+/// Of a search that this supervisor knows nothing of: another one ordered it, and is gone.
+Transition endWaiting() {
+  return {FilterMode::kCekf, SupervisorAction::kEndWaiting,
+          "The CEKF is in charge, but waits for a search that nobody is on. It goes on from where "
+          "it waits, without closing the loop."};
+}
+
 bool hears(const std::optional<RelocaliserEvidence>& relocaliser, const SupervisorConfig& config) {
   return relocaliser && relocaliser->age_s <= config.pose_timeout_s;
 }
@@ -71,6 +78,9 @@ std::string findDoubt(const SupervisorState& state, const SupervisorEvidence& ev
 
 Transition fromCekf(const SupervisorState& state, const SupervisorEvidence& evidence,
                     const SupervisorConfig& config) {
+  const bool waits_long = state.waits_from_s && evidence.time_s - *state.waits_from_s >
+                                                    config.switching.retry_interval_s + kSameTime_s;
+  if (waits_long) return endWaiting();
   const std::string doubt = findDoubt(state, evidence, config);
   if (doubt.empty()) return stay(FilterMode::kCekf);
   const std::string told = "The CEKF is in charge, though suspicious. " + doubt;
@@ -80,6 +90,12 @@ Transition fromCekf(const SupervisorState& state, const SupervisorEvidence& evid
   if (!config.switching.automatic) {
     return stay(FilterMode::kCekf,
                 told + " The relocaliser takes over by order only (switching/automatic).");
+  }
+  if (evidence.of_detections && !config.switching.automatic_by_detections) {
+    return stay(FilterMode::kCekf,
+                told +
+                    " Detections do not tell what was hidden: the relocaliser takes over by order "
+                    "only (switching/automatic_by_detections).");
   }
   if (evidence.time_s < state.not_before_s) {
     return stay(FilterMode::kCekf,
@@ -169,9 +185,12 @@ SupervisorState counted(const SupervisorState& state, const SupervisorEvidence& 
     result.last_scan_s.reset();
     result.loss = {};
     result.doubted_from_s.reset();
+    result.waits_from_s.reset();
     return result;
   }
   if (!evidence.new_scan) return result;
+  result.waits_from_s =
+      evidence.waits ? std::optional(state.waits_from_s.value_or(evidence.time_s)) : std::nullopt;
   const double since_s = evidence.time_s - state.last_scan_s.value_or(state.good_order_s);
   const bool suspicious = !findSuspicion(evidence.scan, config.suspicion).empty();
   // Nothing is known of a gap in the scans.
@@ -199,6 +218,7 @@ double searchFrom_s(const SupervisorState& state, double time_s, const Switching
 SupervisorState follow(SupervisorState state, const Transition& transition, double time_s,
                        const SwitchingConfig& config) {
   const bool begins = transition.action == SupervisorAction::kBeginRelocalising;
+  if (transition.action == SupervisorAction::kEndWaiting) state.waits_from_s.reset();
   if (transition.mode == state.mode && !begins) return state;
   if (begins) ++state.attempts;
   if (transition.mode == FilterMode::kLost) state.not_before_s = time_s + config.retry_interval_s;
@@ -293,6 +313,10 @@ void SwitchingConfig::describe(ConfigSchema& schema) {
       "automatic", automatic,
       "the relocaliser takes over when the CEKF is suspicious; else only by order (set_mode, "
       "global_localization, initialpose), and suspicion is only told");
+  schema.flag(
+      "automatic_by_detections", automatic_by_detections,
+      "likewise where the CEKF takes `detections`, which do not tell what was hidden, nor how far "
+      "and how well their detector sees; where they tell identities, no association is in doubt");
   schema.number(
       "suspicious_s", suspicious_s, Range::positive(),
       "by stamps since the last scan that was not suspicious, three scans at least, after "

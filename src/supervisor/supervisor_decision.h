@@ -20,14 +20,15 @@ std::string nameOf(FilterMode mode);
 
 /// How long doubt has to last, and how often the relocaliser is asked.
 struct SwitchingConfig {
-  bool automatic = false;              ///< else only by order; doubt is told either way
-  double suspicious_s = 2.0;           ///< by stamps, since the last scan in good order
-  double armed_suspicious_s = 0.6;     ///< the same while the deviation is large
-  double relocalise_timeout_s = 30.0;  ///< longest attempt
-  double retry_interval_s = 10.0;      ///< between attempts
-  int max_attempts = 3;                ///< then on with the CEKF, without closing the loop
-  double rest_s = 20.0;                ///< after the CEKF took over again
-  double longest_doubt_s = 15.0;       ///< T0 is no longer ago
+  bool automatic = true;                 ///< else only by order; doubt is told either way
+  bool automatic_by_detections = false;  ///< the same where no scans are taken
+  double suspicious_s = 2.0;             ///< by stamps, since the last scan in good order
+  double armed_suspicious_s = 0.6;       ///< the same while the deviation is large
+  double relocalise_timeout_s = 30.0;    ///< longest attempt
+  double retry_interval_s = 10.0;        ///< between attempts
+  int max_attempts = 3;                  ///< then on with the CEKF, without closing the loop
+  double rest_s = 20.0;                  ///< after the CEKF took over again
+  double longest_doubt_s = 15.0;         ///< T0 is no longer ago
 
   void describe(ConfigSchema& schema);
 };
@@ -66,9 +67,11 @@ struct RelocaliserEvidence {
 struct SupervisorEvidence {
   double time_s = 0.0;  ///< of the recording
   std::optional<double>
-      pose_age_s;         ///< wall time since the last pose of the CEKF; nothing: none yet
-  bool new_scan = false;  ///< whether `scan` has not been judged before
-  ScanEvidence scan;      ///< the CEKF's last
+      pose_age_s;              ///< wall time since the last pose of the CEKF; nothing: none yet
+  bool new_scan = false;       ///< whether `scan` has not been judged before
+  ScanEvidence scan;           ///< the CEKF's last
+  bool of_detections = false;  ///< that scan is a set of `detections`: what was hidden is not known
+  bool waits = false;          ///< the CEKF was suspended for a search when it took that scan
   std::optional<RelocaliserEvidence> relocaliser;  ///< nothing: it does not run
   std::optional<FilterMode> requested;             ///< by an operator: kCekf or kRelocalising
   bool odometry_known = true;    ///< whether tf tells odom -> base_link at the last pose
@@ -97,6 +100,7 @@ struct SupervisorState {
   double suspicious_s = 0.0;          ///< that suspicion has lasted for, gaps in the scans left out
   std::optional<double> last_scan_s;  ///< of the CEKF
   LossTest loss;
+  std::optional<double> waits_from_s;    ///< since when the CEKF waits though it is in charge
   std::optional<double> doubted_from_s;  ///< scan before which nothing was doubted much lately
 };
 
@@ -105,6 +109,7 @@ enum class SupervisorAction {
   kNothing,
   kBeginRelocalising,     ///< from the last scan in good order
   kResumeWithoutClosing,  ///< the CEKF goes on from there
+  kEndWaiting,            ///< the CEKF goes on from where it waits, without closing
 };
 
 struct SupervisorDecision {

@@ -180,12 +180,32 @@ class RelocaliserTest(unittest.TestCase):
         self.drive_until(lambda: "fell silent" in self.statuses[-1].reason, "the fall back")
         self.assertEqual(self.statuses[-1].mode, FilterStatus.CEKF)
 
-    def test_5_killed_filter_is_told_of(self):
+    def test_5_supervisor_started_anew_lets_the_filter_go_on_and_is_obeyed(self):
+        self.look_anywhere()
+        self.drive_until(lambda: self.poses[-1].suspended, "a filter that waits")
+        self.kill("supervisor")
+        self.drive_until(lambda: any("nobody is on" in s.reason for s in self.statuses), "an end of the waiting")
+        self.drive_until(lambda: not self.poses[-1].suspended, "a filter that goes on")
+        before = len(self.statuses)
+        self.look_anywhere()
+        self.expect_found(before)
+
+    def test_6_killed_filter_is_told_of(self):
         known = len(self.maps[-1].landmarks)
         self.assertGreater(known, 10)
         self.kill("cekf_slam")
         self.drive_until(lambda: "is lost" in self.statuses[-1].reason, "what is lost")
         self.assertIn("landmarks", self.statuses[-1].reason)
+
+    def look_anywhere(self):
+        """By a relocaliser that may have been started anew: it has to know the map first."""
+        rospy.wait_for_service("global_localization", 60.0)
+        wishes = self.healths[-1].wish
+        deadline = time.monotonic() + 60.0
+        while self.healths[-1].wish <= wishes:
+            self.assertLess(time.monotonic(), deadline, "the relocaliser does not hear the wish")
+            rospy.ServiceProxy("global_localization", Empty)()
+            self.robot.drive(10)
 
     @staticmethod
     def process_of(node):

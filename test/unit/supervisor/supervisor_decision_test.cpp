@@ -45,11 +45,7 @@ SupervisorEvidence healthy() {
   return evidence;
 }
 
-SupervisorConfig automatic() {
-  SupervisorConfig config;
-  config.switching.automatic = true;
-  return config;
-}
+SupervisorConfig automatic() { return {}; }
 
 SupervisorEvidence ambiguous() {
   SupervisorEvidence evidence = healthy();
@@ -172,10 +168,24 @@ TEST(Suspicion, DoesNotFallOnExploring) {
 }
 
 TEST(SupervisorDecision, OnlyTellsOfSuspicionUnlessItMaySwitch) {
+  SupervisorConfig config;
+  config.switching.automatic = false;
   const SupervisorDecision decision =
-      afterScans(stateIn(FilterMode::kCekf), withRelocaliser(ambiguous()), 50, {});
+      afterScans(stateIn(FilterMode::kCekf), withRelocaliser(ambiguous()), 50, config);
   EXPECT_EQ(decision.mode, FilterMode::kCekf);
   EXPECT_THAT(decision.reason, AllOf(HasSubstr("ambiguous"), HasSubstr("by order only")));
+}
+
+TEST(SupervisorDecision, OnlyTellsOfSuspicionByDetectionsUnlessItMaySwitch) {
+  SupervisorEvidence evidence = withRelocaliser(ambiguous());
+  evidence.of_detections = true;
+  SupervisorConfig config;
+  const SupervisorDecision told = afterScans(stateIn(FilterMode::kCekf), evidence, 50, config);
+  EXPECT_EQ(told.mode, FilterMode::kCekf);
+  EXPECT_THAT(told.reason, AllOf(HasSubstr("ambiguous"), HasSubstr("automatic_by_detections")));
+  config.switching.automatic_by_detections = true;
+  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence, 50, config).mode,
+            FilterMode::kRelocalising);
 }
 
 TEST(Suspicion, NeverFallsOnALargeDeviationAlone) {
@@ -432,6 +442,40 @@ TEST(SupervisorDecision, FollowsAnOperator) {
             SupervisorAction::kResumeWithoutClosing);
 }
 
+/// A filter in charge that waits though this supervisor has asked for no search.
+SupervisorEvidence waiting() {
+  SupervisorEvidence evidence = healthy();
+  evidence.waits = true;
+  return evidence;
+}
+
+TEST(SupervisorDecision, EndsTheWaitingForASearchThatNobodyIsOn) {
+  const SupervisorConfig config = automatic();
+  const int scans = scansOver(config.switching.retry_interval_s) + 1;
+  const SupervisorDecision before = afterScans(stateIn(FilterMode::kCekf), waiting(), scans);
+  EXPECT_EQ(before.action, SupervisorAction::kNothing);
+  const SupervisorDecision after = afterScans(stateIn(FilterMode::kCekf), waiting(), scans + 1);
+  EXPECT_EQ(after.action, SupervisorAction::kEndWaiting);
+  EXPECT_EQ(after.mode, FilterMode::kCekf);
+  EXPECT_THAT(after.reason, HasSubstr("nobody"));
+}
+
+TEST(SupervisorDecision, AsksOnceThatTheWaitingEnds) {
+  const int scans = scansOver(automatic().switching.retry_interval_s) + 2;
+  const SupervisorDecision ended = afterScans(stateIn(FilterMode::kCekf), waiting(), scans);
+  SupervisorEvidence next = waiting();
+  next.time_s += scans * kPeriod_s;
+  EXPECT_EQ(computeDecision(ended.state, next, automatic()).action, SupervisorAction::kNothing);
+}
+
+TEST(SupervisorDecision, LetsTheFilterWaitForItsOwnSearch) {
+  SupervisorState state = stateIn(FilterMode::kRelocalising);
+  const SupervisorDecision decision =
+      afterScans(state, withRelocaliser(waiting()), scansOver(20.0));
+  EXPECT_EQ(decision.mode, FilterMode::kRelocalising);
+  EXPECT_EQ(decision.action, SupervisorAction::kNothing);
+}
+
 TEST(SupervisorConfig, IsDocumentedByItsShippedFile) {
   test::expectDocumentedByShippedFile("supervisor", SupervisorConfig());
 }
@@ -458,6 +502,7 @@ class EveryDecision : public ::testing::Test {
               state.suspicious_s = kPeriod_s * suspicious;
               state.not_before_s = kNow_s + wait_s;
               state.good_order_s = kNow_s - 2.0;
+              state.waits_from_s = kNow_s - 2.0 * age_s;
               states.push_back(state);
             }
           }
@@ -485,6 +530,8 @@ class EveryDecision : public ::testing::Test {
                 if (search && silent) evidence.relocaliser->age_s = 100.0;
                 if (request == 1) evidence.requested = FilterMode::kCekf;
                 if (request == 2) evidence.requested = FilterMode::kRelocalising;
+                evidences.push_back(evidence);
+                evidence.waits = true;
                 evidences.push_back(evidence);
               }
             }
@@ -527,6 +574,9 @@ TEST_F(EveryDecision, ActsExactlyWhenItSwitchesAwayFromAFilterOrHandsBack) {
         break;
       case SupervisorAction::kResumeWithoutClosing:
         EXPECT_TRUE(switches && d.mode == FilterMode::kCekf);
+        break;
+      case SupervisorAction::kEndWaiting:
+        EXPECT_TRUE(evidence.waits && state.mode == FilterMode::kCekf && d.mode == state.mode);
         break;
       case SupervisorAction::kNothing:
         EXPECT_NE(switches, d.mode == state.mode || state.mode == FilterMode::kInitialising);
