@@ -323,6 +323,7 @@ void WayBack::closeAt(const Pose2& T_map_base, LandmarkSlam::Sight sight, Resump
     return;
   }
   filter.setVehicleState(2, wrapAngle(filter.vehicle()[2]));
+  slam_.vehicle().beginMotionNoise();  // the scan is explained
   ScanOutcome outcome;
   outcome.health.nis = closing->update.nis;
   outcome.health.dof = 2 * closing->pairs();
