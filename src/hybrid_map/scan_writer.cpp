@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "hybrid_map/cell_traversal.h"
 #include "hybrid_map/log_odds.h"
@@ -31,21 +32,30 @@ class ScanWriter::TileWindow {
   /// A place in map in units of cells.
   Eigen::Vector2d toCells(const Eigen::Vector2d& place) const { return origin_ + axes_ * place; }
 
-  /// The occupancy of the tile that has a cell; its first cell becomes (`corner_i`, `corner_j`).
-  float* tileOf(int i, int j, int& corner_i, int& corner_j) {
-    corner_i = i & ~(kTileCells - 1);
-    corner_j = j & ~(kTileCells - 1);
+  /// The occupancy of a cell.
+  float& cell(int i, int j) {
+    corner_i_ = i & ~(kTileCells - 1);
+    corner_j_ = j & ~(kTileCells - 1);
     const auto slot = [](int corner) { return std::size_t(corner / kTileCells) & (kSlots - 1); };
-    Tile& tile = window_[slot(corner_i) * kSlots + slot(corner_j)];
-    if (tile.first == nullptr || tile.corner_i != corner_i || tile.corner_j != corner_j) {
-      tile = {tiles_.cell(LayerSet::kOccupancy, corner_i, corner_j, revision_), corner_i, corner_j};
+    Tile& tile = window_[slot(corner_i_) * kSlots + slot(corner_j_)];
+    if (tile.first == nullptr || tile.corner_i != corner_i_ || tile.corner_j != corner_j_) {
+      tile = {tiles_.cell(LayerSet::kOccupancy, corner_i_, corner_j_, revision_), corner_i_,
+              corner_j_};
     }
-    return tile.first;
+    first_ = tile.first;
+    return *find(i, j);
   }
 
-  static constexpr int kTileCells = WaitingTile::kCells;
+  /// The same if the cell is in the tile of the last one; else null.
+  float* find(int i, int j) const {
+    const auto in_i = static_cast<unsigned>(i) - static_cast<unsigned>(corner_i_);
+    const auto in_j = static_cast<unsigned>(j) - static_cast<unsigned>(corner_j_);
+    const bool is_there = (in_i | in_j) < unsigned{kTileCells};
+    return is_there ? first_ + in_j * unsigned{kTileCells} + in_i : nullptr;
+  }
 
  private:
+  static constexpr int kTileCells = WaitingTile::kCells;
   static constexpr std::size_t kSlots = 16;  ///< along a side of the window
   struct Tile {
     float* first = nullptr;
@@ -57,6 +67,8 @@ class ScanWriter::TileWindow {
   Eigen::Vector2d origin_;
   Eigen::Matrix2d axes_;
   std::array<Tile, kSlots * kSlots> window_;
+  float* first_ = nullptr;  ///< of the last cell's tile
+  int corner_i_ = std::numeric_limits<int>::min(), corner_j_ = 0;
 };
 
 std::size_t ScanWriter::write(const LaserScan& scan, const Pose2& T_map_laser,
@@ -80,12 +92,13 @@ std::size_t ScanWriter::write(const LaserScan& scan, const Pose2& T_map_laser,
     if (is_measured && range <= config_.range_m) addHit(pieces_.back(), writer);
     ++beams;
   }
-  TileWindow window(writer.waiting(), writer.revision());
-  for (const BeamPiece& piece : pieces_) {
-    if (piece.ltr == kNone) {
-      freeOutside(piece, window);
+  chainPieces();
+  for (const int ltr : chains_) {
+    const int first = std::exchange(first_pieces_[std::size_t(ltr + 1)], kNone);
+    if (ltr == kNone) {
+      freeOutside(first, writer);
     } else {
-      freeInLtr(piece, writer);
+      freeInLtr(first, writer);
     }
   }
   occupyHits();
@@ -107,32 +120,65 @@ void ScanWriter::addHit(const BeamPiece& last, LayerWriter& writer) {
   hits_.push_back({cell, *cell});
 }
 
-void ScanWriter::freeInLtr(const BeamPiece& piece, LayerWriter& writer) {
-  const Increments gain = increments_;  // a copy, which cells cannot alias
-  LtrCells& cells = writer.cells(piece.ltr);
-  float* log_odds = cells.store.write(writer.layers(), LayerSet::kOccupancy, writer.revision());
-  const int count = cells.grid.changeAlong(piece.at(piece.from), piece.at(piece.to), log_odds,
-                                           [gain](float before) { return gain.freed(before); });
-  partition_.addObservations(piece.ltr, count);
+/// Pieces in one LTR are written one after the other: they lead into the same cells, and in almost
+/// the same direction, which is easier to foresee for the processor. What a cell gains does not
+/// depend on the order.
+void ScanWriter::chainPieces() {
+  static_assert(kNone == -1);
+  first_pieces_.resize(std::size_t(partition_.mesh().ltrEnd()) + 1, kNone);
+  next_pieces_.resize(pieces_.size());
+  chains_.clear();
+  for (std::size_t i = pieces_.size(); i-- > 0;) {
+    int& first = first_pieces_[std::size_t(pieces_[i].ltr + 1)];
+    if (first == kNone) chains_.push_back(pieces_[i].ltr);
+    next_pieces_[i] = first;
+    first = static_cast<int>(i);
+  }
 }
 
-void ScanWriter::freeOutside(const BeamPiece& piece, TileWindow& window) {
-  constexpr int kTileCells = TileWindow::kTileCells;
+void ScanWriter::freeInLtr(int first_piece, LayerWriter& writer) {
   const Increments gain = increments_;  // a copy, which cells cannot alias
-  const Eigen::Vector2d from = window.toCells(piece.at(piece.from));
-  int corner_i = std::numeric_limits<int>::min(), corner_j = 0;
-  float* first = nullptr;
-  traverseCells(from, window.toCells(piece.at(piece.to)), [&](int i, int j) {
-    auto in_i = static_cast<unsigned>(i) - static_cast<unsigned>(corner_i);
-    auto in_j = static_cast<unsigned>(j) - static_cast<unsigned>(corner_j);
-    if ((in_i | in_j) >= unsigned{kTileCells}) {
-      first = window.tileOf(i, j, corner_i, corner_j);
-      in_i = static_cast<unsigned>(i - corner_i);
-      in_j = static_cast<unsigned>(j - corner_j);
+  const int ltr = pieces_[std::size_t(first_piece)].ltr;
+  LtrCells& cells = writer.cells(ltr);
+  float* log_odds = cells.store.write(writer.layers(), LayerSet::kOccupancy, writer.revision());
+  int count = 0;
+  for (int i = first_piece; i != kNone; i = next_pieces_[std::size_t(i)]) {
+    const BeamPiece& piece = pieces_[std::size_t(i)];
+    count += cells.grid.changeAlong(piece.at(piece.from), piece.at(piece.to), log_odds,
+                                    [gain](float before) { return gain.freed(before); });
+  }
+  partition_.addObservations(ltr, count);
+}
+
+void ScanWriter::freeOutside(int first_piece, LayerWriter& writer) {
+  TileWindow window(writer.waiting(), writer.revision());
+  const Increments gain = increments_;  // a copy, which cells cannot alias
+  // Both are found and read before one is written: where they are the same, it is freed once.
+  const auto freeBoth = [&](int i, int j, int other_i, int other_j) {
+    float* one = window.find(i, j);
+    float* other = window.find(other_i, other_j);
+    if (one == nullptr || other == nullptr) {
+      other = &window.cell(other_i, other_j);
+      one = &window.cell(i, j);
     }
-    float& log_odds = first[in_j * unsigned{kTileCells} + in_i];
-    log_odds = gain.freed(log_odds);
-  });
+    const float freed = gain.freed(*one), other_freed = gain.freed(*other);
+    *one = freed;
+    *other = other_freed;
+  };
+  for (int piece = first_piece; piece != kNone; piece = next_pieces_[std::size_t(piece)]) {
+    const BeamPiece& beam = pieces_[std::size_t(piece)];
+    const CellWalk walk(window.toCells(beam.at(beam.from)), window.toCells(beam.at(beam.to)));
+    const int i = walk.start_i, j = walk.start_j;
+    if (walk.is_along_i) {
+      walk.run([&](int along, int aside, int other) {
+        freeBoth(i + along, j + aside, i + along, j + other);
+      });
+    } else {
+      walk.run([&](int along, int aside, int other) {
+        freeBoth(i + aside, j + along, i + other, j + along);
+      });
+    }
+  }
 }
 
 // Of several beams that end in a cell each counts.

@@ -37,8 +37,9 @@ class ScanWriter {
   };
 
   void addHit(const BeamPiece& last, LayerWriter& writer);
-  void freeInLtr(const BeamPiece& piece, LayerWriter& writer);
-  void freeOutside(const BeamPiece& piece, TileWindow& window);
+  void chainPieces();
+  void freeInLtr(int first_piece, LayerWriter& writer);
+  void freeOutside(int first_piece, LayerWriter& writer);
   void occupyHits();
 
   OccupancyConfig config_;
@@ -46,6 +47,10 @@ class ScanWriter {
   BeamCutter cutter_;
   Increments increments_;
   std::vector<BeamPiece> pieces_;  ///< of the scan
+  // Chains of the pieces in the same LTR, or outside of all:
+  std::vector<int> first_pieces_;  ///< by LTR + 1; kNone between scans
+  std::vector<int> next_pieces_;   ///< by piece; kNone for the last of a chain
+  std::vector<int> chains_;        ///< LTRs of the scan, each once
   std::vector<Hit> hits_;
 };
 

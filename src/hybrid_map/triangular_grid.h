@@ -49,16 +49,24 @@ class TriangularGrid {
   template <class Change>
   int changeAlong(const Triangle::Local& from, const Triangle::Local& to, float* cells,
                   Change&& change) const {
-    CellWalk walk(toCellsInside(from), toCellsInside(to));
-    // Carried along, which is twice as fast as an index made of row and column.
-    float* cell = cells + row_starts_[std::size_t(walk.j)] + walk.i;
-    const int* start = row_starts_.data() + walk.j;
-    const int upwards = walk.step_j > 0 ? 0 : 1;
-    return walk.run([&] { *cell = change(*cell); }, [&] { cell += walk.step_i; },
-                    [&] {
-                      start += walk.step_j;
-                      cell += walk.step_j * (start[upwards] - start[upwards - 1]);
-                    });
+    const CellWalk walk(toCellsInside(from), toCellsInside(to));
+    // Both are read before one is written: where they are the same, it changes once.
+    const auto changeBoth = [&](float& one, float& other) {
+      const float changed = change(one), other_changed = change(other);
+      one = changed;
+      other = other_changed;
+    };
+    // A cell's index is its place i in the row and where row j starts.
+    const int* rows = row_starts_.data() + walk.start_j;
+    float* first = cells + walk.start_i;
+    if (walk.is_along_i) {
+      return walk.run(
+          [&](int i, int j, int other) { changeBoth(first[rows[j] + i], first[rows[other] + i]); });
+    }
+    return walk.run([&](int j, int i, int other) {
+      float* row = first + rows[j];
+      changeBoth(row[i], row[other]);
+    });
   }
 
   /// The cell (i, j), or the nearest one in the grid.
@@ -76,15 +84,15 @@ class TriangularGrid {
     return std::max(1, static_cast<int>(std::ceil(side_m / resolution_m)));
   }
 
-  /// Place in units of cells, moved off the upper borders by less than matters. Every cell that
+  /// Place in units of cells, moved off the third side by less than matters. Every cell that
   /// touches a line between such places, even one that rounding takes for its neighbour, has its
   /// least corner inside the triangle, so it is one of the grid's.
   Triangle::Local toCellsInside(const Triangle::Local& local) const {
-    constexpr double kBelowOne = 1.0 - 1e-11;
-    Triangle::Local inside = local.cwiseMax(0.0);
-    const double sum = inside.sum();
-    if (sum > kBelowOne) inside *= kBelowOne / sum;
-    return toCells(inside);
+    // Some times what CellWalk rounds on its way through all columns or rows.
+    const double most = 1.0 - 1e-10 * (alpha_cells_ + beta_cells_);
+    const Triangle::Local inside = local.cwiseMax(0.0);
+    const double beyond = std::max(0.0, inside.sum() - most);
+    return toCells((inside.array() - beyond).max(0.0).matrix());
   }
 
   int alpha_cells_, beta_cells_;

@@ -54,27 +54,6 @@ class WaitingTiles {
   /// The cell (i, j) of the selected sheet for writing; valid until the sheets change.
   float* cell(int layer, int i, int j, std::uint64_t revision);
 
-  /// Occupancy cells of the selected sheet for writing, one near the other.
-  class Cursor {
-   public:
-    Cursor(WaitingTiles& tiles, std::uint64_t revision) : tiles_(tiles), revision_(revision) {}
-    float& at(int i, int j) {
-      const int in_i = i & (kTileCells - 1), in_j = j & (kTileCells - 1);
-      if (first_ == nullptr || i - in_i != corner_i_ || j - in_j != corner_j_) {
-        corner_i_ = i - in_i;
-        corner_j_ = j - in_j;
-        first_ = tiles_.cell(LayerSet::kOccupancy, corner_i_, corner_j_, revision_);
-      }
-      return first_[in_j * kTileCells + in_i];
-    }
-
-   private:
-    WaitingTiles& tiles_;
-    std::uint64_t revision_;
-    float* first_ = nullptr;
-    int corner_i_ = 0, corner_j_ = 0;
-  };
-
   /// Moves the sheets with their landmarks.
   void follow(const LandmarkPlaces& landmarks);
 

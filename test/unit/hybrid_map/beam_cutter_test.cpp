@@ -1,5 +1,6 @@
 #include "hybrid_map/beam_cutter.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -162,6 +163,66 @@ RC_GTEST_PROP(CellTraversal, PassesEveryCellThatALineTouches, ()) {
   }
   for (int k = 0; k <= 2000; ++k) {
     RC_ASSERT(passed.count(cellOf(from + k / 2000.0 * (to - from))) == 1);
+  }
+}
+
+/// Lines from, to and through corners of cells, along rows and exact diagonals.
+TEST(CellTraversal, StaysBetweenItsEndsWhereverCornersLie) {
+  std::vector<Eigen::Vector2d> points;
+  for (const double x : {-2.0, -1.5, -1.0, 0.0, 0.25, 1.0, 3.0}) {
+    for (const double y : {-3.0, -1.0, -0.5, 0.0, 1.0, 2.5}) points.emplace_back(x, y);
+  }
+  for (const Eigen::Vector2d& from : points) {
+    for (const Eigen::Vector2d& to : points) {
+      const Eigen::Array2d first = from.array().floor(), last = to.array().floor();
+      Eigen::Array2d at = first;
+      int cells = 0;
+      traverseCells(from, to, [&](int i, int j) {
+        const Eigen::Array2d cell(i, j);
+        EXPECT_EQ((cell - at).abs().sum(), cells == 0 ? 0.0 : 1.0);
+        EXPECT_TRUE((cell >= first.min(last)).all() && (cell <= first.max(last)).all());
+        at = cell;
+        ++cells;
+      });
+      EXPECT_TRUE((at == last).all()) << from.transpose() << " to " << to.transpose();
+      EXPECT_EQ(cells, (last - first).abs().sum() + 1.0);
+    }
+  }
+}
+
+/// The cells of its grid that lines pass, counted, and told by traverseCells().
+RC_GTEST_PROP(TriangularGrid, ChangesEachCellOfALineOnceAndNoOther, ()) {
+  RandomGenerator generator(*rc::gen::inRange<std::uint64_t>(0, 1ULL << 40U));
+  const auto uniform = [&](double low, double high) { return sampleUniform(generator, low, high); };
+  const TriangularGrid grid(static_cast<int>(uniform(1.0, 60.0)),
+                            static_cast<int>(uniform(1.0, 60.0)));
+  const auto place = [&] {
+    const double alpha = uniform(0.0, 0.999), beta = uniform(0.0, 0.999 - alpha);
+    return Triangle::Local(alpha, beta);
+  };
+  const Triangle::Local from = place(), to = place();
+  std::vector<float> expected(std::size_t(grid.cellCount()), 0.0F), cells = expected;
+  traverseCells(grid.toCells(from), grid.toCells(to),
+                [&](int i, int j) { expected[std::size_t(grid.index(i, j))] += 1.0F; });
+  const int count =
+      grid.changeAlong(from, to, cells.data(), [](float before) { return before + 1.0F; });
+  RC_ASSERT(cells == expected);
+  RC_ASSERT(count == static_cast<int>(std::count(cells.begin(), cells.end(), 1.0F)));
+}
+
+TEST(TriangularGrid, KeepsLinesAlongItsThirdSideInside) {
+  for (const auto& [alpha_cells, beta_cells] :
+       {std::pair(1, 1), std::pair(7, 7), std::pair(150, 1), std::pair(3, 90)}) {
+    const TriangularGrid grid(alpha_cells, beta_cells);
+    std::vector<float> cells(std::size_t(grid.cellCount()) + 1, 0.0F);
+    const auto count = [](float before) { return before + 1.0F; };
+    grid.changeAlong({1.0, 0.0}, {0.0, 1.0}, cells.data(), count);
+    grid.changeAlong({0.0, 1.0}, {1.0, 0.0}, cells.data(), count);
+    EXPECT_EQ(cells.back(), 0.0F);  // one past the grid
+    for (int j = 0; j < beta_cells; ++j) {
+      EXPECT_EQ(cells[std::size_t(grid.index(grid.rowLength(j) - 1, j))], 2.0F)
+          << alpha_cells << " x " << beta_cells << ", row " << j;
+    }
   }
 }
 
