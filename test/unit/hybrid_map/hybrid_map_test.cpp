@@ -298,6 +298,17 @@ TEST(HybridMap, LosesNothingWhenAllLandmarksAreRemoved) {
   EXPECT_NEAR(map.query("salinity", {2.0, 3.0}).value->value, 35.0, 1e-5);
 }
 
+TEST(HybridMap, LosesNothingWhenACorrectionBringsThreeLandmarksIntoLine) {
+  LandmarkMap landmarks = mapOf({{0.0, 0.0}, {10.0, 0.0}, {5.0, 8.0}});
+  HybridMap map = mapOver(landmarks);
+  map.insert(salinity({5.0, 3.0}, 35.0));
+  landmarks.landmarks[2].position = {5.0, 0.0};
+  landmarks.version = 2;
+  EXPECT_EQ(map.apply(landmarks).change.retired.size(), 1U);
+  EXPECT_TRUE(map.pinnedLandmarks().empty());
+  EXPECT_NEAR(map.evidenceWaiting(1), 1.0, 1e-5);
+}
+
 TEST(HybridMap, SurvivesACorrectionOf50Metres) {
   RandomGenerator generator(2);
   LandmarkMap landmarks = jitteredGrid(6, 6, 10.0, generator);
