@@ -1,6 +1,5 @@
 #include "evaluation/trajectory.h"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include "common/number_text.h"
@@ -23,18 +22,6 @@ Trajectory::Trajectory(std::vector<StampedPose> poses) : poses_(std::move(poses)
                                   numberText(poses_[i].time_s) + " s.");
     }
   }
-}
-
-std::optional<Pose2> Trajectory::at(double time_s) const {
-  const auto after =
-      std::lower_bound(poses_.begin(), poses_.end(), time_s,
-                       [](const StampedPose& pose, double time) { return pose.time_s < time; });
-  if (after == poses_.end()) return std::nullopt;
-  if (after->time_s == time_s) return after->pose;
-  if (after == poses_.begin()) return std::nullopt;
-  const auto before = after - 1;
-  if (after->time_s - before->time_s > kLongestInterpolation_s) return std::nullopt;
-  return interpolate(*before, *after, time_s);
 }
 
 }  // namespace hymm::core

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstddef>
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -21,15 +22,29 @@ inline constexpr double kLongestInterpolation_s = 1.0;
 /// The pose between two: position along the straight line, yaw along the shorter way.
 Pose2 interpolate(const StampedPose& before, const StampedPose& after, double time_s);
 
+/// The pose at a time, of poses in order of time; nothing outside of them, or where the poses
+/// around that time are farther apart than kLongestInterpolation_s.
+template <class StampedPoses>
+std::optional<Pose2> poseAt(const StampedPoses& poses, double time_s) {
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), time_s,
+                       [](const StampedPose& pose, double time) { return pose.time_s < time; });
+  if (after == poses.end()) return std::nullopt;
+  if (after->time_s == time_s) return after->pose;
+  if (after == poses.begin()) return std::nullopt;
+  const StampedPose& before = *std::prev(after);
+  if (after->time_s - before.time_s > kLongestInterpolation_s) return std::nullopt;
+  return interpolate(before, *after, time_s);
+}
+
 /// Poses in order of time, to be asked for any time between.
 class Trajectory {
  public:
   /// Throws std::invalid_argument if times do not increase strictly.
   explicit Trajectory(std::vector<StampedPose> poses);
 
-  /// The pose at a time; nothing outside the trajectory, or where the poses around that time are
-  /// farther apart than kLongestInterpolation_s.
-  std::optional<Pose2> at(double time_s) const;
+  /// As poseAt().
+  std::optional<Pose2> at(double time_s) const { return poseAt(poses_, time_s); }
 
   const std::vector<StampedPose>& poses() const { return poses_; }
 

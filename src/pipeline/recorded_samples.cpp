@@ -1,7 +1,5 @@
 #include "pipeline/recorded_samples.h"
 
-#include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace hymm::core {
@@ -29,7 +27,7 @@ std::vector<PropertySample> RecordedSamples::takePlaced(const StampedPose& T_map
       later.push_back(std::move(recorded));
     } else if (!recorded.T_base_frame) {
       placed.push_back(std::move(recorded.sample));
-    } else if (const auto pose = poseAt(time_s)) {
+    } else if (const auto pose = poseAt(poses_, time_s)) {
       placed.push_back(placedBy(*pose * *recorded.T_base_frame, std::move(recorded.sample)));
     } else {
       ++without_place_;
@@ -43,18 +41,6 @@ void RecordedSamples::reset() {
   without_place_ += waiting_.size();
   waiting_.clear();
   poses_.clear();
-}
-
-std::optional<Pose2> RecordedSamples::poseAt(double time_s) const {
-  const auto after =
-      std::lower_bound(poses_.begin(), poses_.end(), time_s,
-                       [](const StampedPose& pose, double time) { return pose.time_s < time; });
-  if (after == poses_.end()) return std::nullopt;
-  if (after->time_s == time_s) return after->pose;
-  if (after == poses_.begin()) return std::nullopt;
-  const auto before = std::prev(after);
-  if (after->time_s - before->time_s > kLongestInterpolation_s) return std::nullopt;
-  return interpolate(*before, *after, time_s);
 }
 
 }  // namespace hymm::core

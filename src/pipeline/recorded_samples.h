@@ -35,8 +35,6 @@ class RecordedSamples {
   std::size_t withoutPlace() const { return without_place_ + waiting_.size(); }
 
  private:
-  std::optional<Pose2> poseAt(double time_s) const;
-
   std::deque<RecordedSample> waiting_;
   std::deque<StampedPose> poses_;  ///< of the last seconds, in order of time
   std::size_t without_place_ = 0;

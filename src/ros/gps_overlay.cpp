@@ -1,6 +1,5 @@
 #include "ros/gps_overlay.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "ros/time_conversions.h"
@@ -37,24 +36,13 @@ void GpsOverlay::compareWaiting() {
   while (!waiting_.empty() && !poses_.empty() && waiting_.front().time_s <= poses_.back().time_s) {
     const core::GpsFix fix = waiting_.front();
     waiting_.pop_front();
-    const std::optional<core::Pose2> T_map_base = poseAt(fix.time_s);
+    const std::optional<core::Pose2> T_map_base = core::poseAt(poses_, fix.time_s);
     if (!T_map_base) continue;
     alignment_.add(fix.position, *T_map_base * antenna_);
     fixes_.push_back(fix.position);
     if (fixes_.size() > kMostFixes) fixes_.pop_front();
     time_s_ = fix.time_s;
   }
-}
-
-std::optional<core::Pose2> GpsOverlay::poseAt(double time_s) const {
-  const auto after = std::find_if(poses_.begin(), poses_.end(),
-                                  [&](const auto& pose) { return pose.time_s >= time_s; });
-  if (after == poses_.end()) return std::nullopt;
-  if (after->time_s == time_s) return after->pose;
-  if (after == poses_.begin()) return std::nullopt;
-  const core::StampedPose& before = *std::prev(after);
-  if (after->time_s - before.time_s > core::kLongestInterpolation_s) return std::nullopt;
-  return core::interpolate(before, *after, time_s);
 }
 
 std::size_t GpsOverlay::count() const { return alignment_.count(); }

@@ -43,7 +43,6 @@ class GpsOverlay {
 
  private:
   void compareWaiting();
-  std::optional<core::Pose2> poseAt(double time_s) const;
 
   Eigen::Vector2d antenna_;
   std::string map_frame_;
