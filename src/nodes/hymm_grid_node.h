@@ -84,6 +84,10 @@ class HymmGridNode {
                const LoadState::Request& request);
   bool isOfMapBefore(const PairedScan& paired);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnoseScans(const GridStatus& grid,
+                     diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  void diagnoseMap(const GridStatus& grid,
+                   diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   core::HymmGridConfig config_;
   core::VehicleConfig vehicle_;

@@ -187,28 +187,45 @@ void HymmGridNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   using diagnostic_msgs::DiagnosticStatus;
   const std::lock_guard<std::mutex> lock(mutex_);
   const GridStatus grid = this->status();
-  const core::HybridMap::Counts& map = mapper_.map().counts();
   status.summary(DiagnosticStatus::OK, std::to_string(grid.ltrs) + " LTRs");
   status.add("LTRs", grid.ltrs);
-  if (grid.scans == 0) status.mergeSummary(DiagnosticStatus::WARN, "No scan has been written");
   if (paused_) status.mergeSummary(DiagnosticStatus::WARN, "Paused");
+  diagnoseScans(grid, status);
+  diagnoseMap(grid, status);
+  status.add("agreement of scan and map", grid.agreement);
+  status.add("latency, worst of the last second [ms]", worst_latency_ms_);
+  worst_latency_ms_ = 0.0;
+  status.add("CPU [s]", grid.cpu_s);
+  for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);
+}
+
+/// What became of scans and of what belongs to them.
+void HymmGridNode::diagnoseScans(const GridStatus& grid,
+                                 diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (grid.scans == 0) status.mergeSummary(DiagnosticStatus::WARN, "No scan has been written");
   status.add("scans written", grid.scans);
   status.add("scans not written: pose uncertain among the landmarks", grid.uncertain_scans);
   status.add("scans without landmarks", mapper_.counts().without_landmarks);
-  {
-    const std::lock_guard<std::mutex> inputs(inputs_mutex_);
-    const ScanPairing::Counts& pairing = pairing_.counts();
-    status.add("scans that the filter refused", pairing.unused_scans);
-    status.add("poses without their scan", pairing.missing_scans);
-    status.add("landmark maps announced, but missing", pairing.missing_maps);
-    status.add("poses or updates alone", pairing.missing_poses);
-    status.add("messages dropped (buffers full)", pairing.overflows);
-    status.add("dropped scans", pairing.dropped_scans);
-    status.add("poses that wait", pairing_.waiting());
-    if (pairing.overflows > 0) {
-      status.mergeSummary(DiagnosticStatus::WARN, "Messages came faster than they could be used");
-    }
+  const std::lock_guard<std::mutex> lock(inputs_mutex_);
+  const ScanPairing::Counts& pairing = pairing_.counts();
+  status.add("scans that the filter refused", pairing.unused_scans);
+  status.add("poses without their scan", pairing.missing_scans);
+  status.add("landmark maps announced, but missing", pairing.missing_maps);
+  status.add("poses or updates alone", pairing.missing_poses);
+  status.add("messages dropped (buffers full)", pairing.overflows);
+  status.add("dropped scans", pairing.dropped_scans);
+  status.add("poses that wait", pairing_.waiting());
+  if (pairing.overflows > 0) {
+    status.mergeSummary(DiagnosticStatus::WARN, "Messages came faster than they could be used");
   }
+}
+
+/// What the map holds, and what it could not.
+void HymmGridNode::diagnoseMap(const GridStatus& grid,
+                               diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  const core::HybridMap::Counts& map = mapper_.map().counts();
   status.add("samples written", grid.samples);
   status.add("samples refused", grid.refused_samples);
   status.add("samples that wait for tf", sample_placer_.waiting());
@@ -223,14 +240,9 @@ void HymmGridNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   status.add("cells unpacked [MB]", 1e-6 * static_cast<double>(grid.unpacked_bytes));
   status.add("cells packed [MB]", 1e-6 * static_cast<double>(grid.packed_bytes));
   status.add("cells waiting [MB]", 1e-6 * static_cast<double>(grid.waiting_bytes));
-  status.add("agreement of scan and map", grid.agreement);
-  status.add("latency, worst of the last second [ms]", worst_latency_ms_);
-  worst_latency_ms_ = 0.0;
-  status.add("CPU [s]", grid.cpu_s);
   if (output_.image().isCutOff()) {
     status.mergeSummary(DiagnosticStatus::WARN, "The map's image is cut off (image/max_memory_mb)");
   }
-  for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);
 }
 
 }  // namespace hymm
