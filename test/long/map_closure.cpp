@@ -11,10 +11,13 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
+#include "beam_outcomes.h"
 #include "benchmark/flat_grid.h"
 #include "cekf/map_schedule.h"
+#include "hybrid_map/log_odds.h"
 #include "hybrid_map/map_export.h"
 #include "hybrid_map/map_image.h"
 #include "ltr_placement.h"
@@ -102,7 +105,9 @@ class Drive {
         mapper_(options.config.hymm_grid),
         image_(MapImageConfig{}),
         flat_(truth_.origin.array() - kReach_m, highOf(truth_).array() + kReach_m, kResolution_m,
-              options.config.hymm_grid.map.occupancy) {
+              options.config.hymm_grid.map.occupancy),
+        truly_placed_(flat_),
+        outcomes_(truth_) {
     for (int y = 0; y < truth_.height; ++y) {
       for (int x = 0; x < truth_.width; ++x) {
         const std::size_t i = std::size_t(y) * std::size_t(truth_.width) + std::size_t(x);
@@ -136,6 +141,9 @@ class Drive {
     print(prefix + "_recall", shareNear(seen_, ours));
     print(prefix + "_flat_precision", shareNear(flat, standing_));
     print(prefix + "_flat_recall", shareNear(seen_, flat));
+    const Occupied truly_placed = occupiedOf(truly_placed_.image());
+    print(prefix + "_true_pose_precision", shareNear(truly_placed, standing_));
+    print(prefix + "_true_pose_recall", shareNear(seen_, truly_placed));
     print(prefix + "_position_error_m", position_error_m_);
     print(prefix + "_time_s", time_s_);
     print(prefix + "_ltrs", double(mapper_.map().partition().mesh().aliveCount()));
@@ -143,6 +151,40 @@ class Drive {
     const std::filesystem::path folder(options_.output);
     exportPgm(image_.image(), folder / (prefix + "_ltrs"));
     exportPgm(flat_.image(), folder / (prefix + "_flat"));
+  }
+
+  /// Where the closure moved the map most: the landmark that is elsewhere now than when this was
+  /// called first.
+  void reportLargestShift() {
+    const LandmarkMap map = filter_.landmarkMap(0.0);
+    double largest_m = -1.0;
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();
+    for (const LandmarkEstimate& landmark : map.landmarks) {
+      const auto before = places_before_.find(landmark.id);
+      if (before == places_before_.end()) continue;
+      const double shift_m = (landmark.position - before->second).norm();
+      if (shift_m <= largest_m) continue;
+      largest_m = shift_m;
+      place = landmark.position;
+    }
+    if (places_before_.empty()) {
+      for (const auto& landmark : map.landmarks) places_before_[landmark.id] = landmark.position;
+      return;
+    }
+    print("largest_shift_m", largest_m);
+    print("largest_shift_x_m", place.x());
+    print("largest_shift_y_m", place.y());
+  }
+
+  /// Of what share of the beams that reached them those cells stopped that the map misses, and the
+  /// others.
+  void reportOutcomes() {
+    const OccupancyConfig& occupancy = options_.config.hymm_grid.map.occupancy;
+    const double hit = logOddsOf(occupancy.hit_probability);
+    const double miss = -logOddsOf(occupancy.miss_probability);
+    const Occupied ours = occupiedOf(image_.image());
+    const auto compared = outcomes_.compare([&](int x, int y) { return ours.around(x, y); });
+    std::cout << compared.text("end_cells", miss / (hit + miss));
   }
 
   void reportPlacement() {
@@ -185,7 +227,11 @@ class Drive {
     if (mapping.written) {
       const PosedScan posed = mapper_.posed(scan.scan, outcome.pose);
       flat_.insert(posed.scan, posed.T_map_laser);
-      noteSeen(scan, T_map_base_true * scan.T_base_laser);
+      const Pose2 T_map_laser_true = T_map_base_true * scan.T_base_laser;
+      truly_placed_.insert(posed.scan, T_map_laser_true);
+      noteSeen(scan, T_map_laser_true);
+      outcomes_.look(posed.scan, T_map_laser_true, options_.config.hymm_grid.map.occupancy.range_m,
+                     static_cast<int>(simulation_.progress() * options_.laps));
       if (placement_due_.takeIfDue(time_s_)) {
         placement_.look(mapper_.map(), filter_, outcome.pose.T_map_base, T_map_base_true,
                         options_.config.hymm_grid.map.occupancy.range_m);
@@ -264,6 +310,9 @@ class Drive {
   GridMapper mapper_;
   MapImage image_;
   benchmarks::FlatGrid flat_;
+  benchmarks::FlatGrid truly_placed_;  ///< the same scans at the true poses
+  BeamOutcomes outcomes_;
+  std::unordered_map<int, Eigen::Vector2d> places_before_;  ///< the closure, by landmark
   MapMemoryLog memory_;
   StampSchedule memory_due_{kMemoryLogPeriod_s};
   LtrPlacement placement_;
@@ -295,14 +344,17 @@ void run(const Options& options) {
   while (drive.next()) {
     if (!before && drive.time_s() > closure_s - 1.0) {
       drive.report("before");
+      drive.reportLargestShift();
       before = true;
     } else if (!after && drive.time_s() > closure_s + kSettled_s) {
       drive.report("after");
+      drive.reportLargestShift();
       after = true;
     }
     if (drive.progress() * options.laps >= laps + 1) drive.report("lap_" + std::to_string(++laps));
   }
   drive.report("end");
+  drive.reportOutcomes();
   drive.reportPlacement();
   drive.writeMemory();
 }
