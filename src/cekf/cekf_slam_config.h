@@ -110,6 +110,7 @@ struct ResumptionConfig {
 struct CekfSlamConfig {
   std::string motion_input = "dead_reckoning";
   std::string observation_input = "scan";
+  bool use_time_increment = true;  ///< of scans whose beams are measured one after another
   double landmark_block_range_m = 30.0;
   double landmark_rate_hz = 1.0;
   double large_correction_m = 0.5;

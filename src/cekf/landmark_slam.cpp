@@ -8,6 +8,7 @@
 #include "common/cpu_timer.h"
 #include "common/gaussian.h"
 #include "perception/scan_check.h"
+#include "perception/swept_scan.h"
 
 namespace hymm::core {
 namespace {
@@ -119,6 +120,7 @@ LandmarkSlam::Sight LandmarkSlam::see(const SensorEvent& event) {
     }
     const CpuTimer timer(cpu_times_.perception_s);
     sight.scan = &scan->scan;
+    sight.motion_meanwhile = &scan->motion_meanwhile;
     sight.set.emplace();
     sight.set->time_s = scan->scan.time_s;
     sight.set->T_base_sensor = scan->T_base_laser;
@@ -132,6 +134,20 @@ void LandmarkSlam::Sight::mustBeLaterThan(double time_s) {
   set.reset();
   problem = scan != nullptr ? "the scan is not later than the last one"
                             : "the observations are not later than the last ones";
+}
+
+void LandmarkSlam::Sight::undoSweep(const VehicleState& vehicle, const CompressedEkf& filter) {
+  if (scan == nullptr || scan->sweep_s() == 0.0) return;
+  sweep = vehicle.motionFrom(filter, *motion_meanwhile);
+  if (sweep.isStill()) return;
+  const Pose2 T_base_sensor = vehicle.placement(set->T_base_sensor, filter.vehicle()).T_base_sensor;
+  for (Observation& seen : set->observations) {
+    const double after_s = seen.after_stamp_s;
+    seen = asOfStamp(seen, sweep.sensorPoseAfter(after_s, T_base_sensor),
+                     sweep.sensorCovarianceAfter(after_s, T_base_sensor));
+  }
+  swept = std::make_shared<const LaserScan>(sweptScan(*scan, sweep, T_base_sensor));
+  scan = swept.get();
 }
 
 ScanOutcome LandmarkSlam::refuse(const Sight& sight) {
@@ -169,11 +185,11 @@ void LandmarkSlam::processGps(const GpsFix& fix) {
 
 ScanOutcome LandmarkSlam::processSet(Sight sight, Instant start) {
   ScanOutcome outcome;
-  ObservationSet& set = *sight.set;
-  begin(set);
+  begin(sight);
+  const ObservationSet& set = *sight.set;
   ScanAssociation association = associate(set);
   const bool updated = update(set, association, outcome);
-  finish(std::move(set), sight.scan, association, updated, start, outcome);
+  finish(std::move(sight), association, updated, start, outcome);
   return outcome;
 }
 
@@ -199,13 +215,15 @@ ScanAssociation LandmarkSlam::associate(const ObservationSet& set) {
   return slipped;
 }
 
-void LandmarkSlam::begin(ObservationSet& set) {
+void LandmarkSlam::begin(Sight& sight) {
+  ObservationSet& set = *sight.set;
   refuseUnusable(set);
   last_scan_s_ = set.time_s;
   ++version_;
   life_cycle_.pin(pins_.at(set.time_s));
   if (!estimate_.vehicle.hasInput()) ++counts_.scans_without_motion;
   estimate_.vehicle.moveTo(estimate_.filter, set.time_s);
+  sight.undoSweep(estimate_.vehicle, estimate_.filter);
 }
 
 void LandmarkSlam::refuseUnusable(ObservationSet& set) {
@@ -239,13 +257,13 @@ bool LandmarkSlam::update(const ObservationSet& set, ScanAssociation& associatio
   return true;
 }
 
-void LandmarkSlam::finish(ObservationSet set, const LaserScan* scan,
-                          const ScanAssociation& association, bool updated, Instant start,
-                          ScanOutcome& outcome) {
+void LandmarkSlam::finish(Sight sight, const ScanAssociation& association, bool updated,
+                          Instant start, ScanOutcome& outcome) {
+  ObservationSet& set = *sight.set;
   outcome.accepted = true;
   const SensorPlacement sensor = sensorPlacement(set);
   if (use_ == MapUse::kExtend) {
-    extendMap(set, updated ? scan : nullptr, sensor, association, outcome);
+    extendMap(set, updated ? sight.scan : nullptr, sensor, association, outcome);
   } else {
     const std::vector<int> none(association.slots.size(), ScanAssociation::kNone);
     countObservations(association, none, 0, outcome);
@@ -259,6 +277,7 @@ void LandmarkSlam::finish(ObservationSet set, const LaserScan* scan,
   outcome.pose = pose();
   outcome.pose.time_s = set.time_s;
   outcome.pose.relative_covariance = relative;
+  outcome.pose.sweep = std::move(sight.sweep);
   tellSensor(sensorPlacement(set), outcome.pose);
   describeHealth(set.time_s, start, outcome);
   outcome.observations = std::move(set);

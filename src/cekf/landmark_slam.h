@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -72,27 +73,32 @@ class LandmarkSlam {
   /// nothing at all.
   struct Sight {
     std::optional<ObservationSet> set;
-    const LaserScan* scan = nullptr;  ///< of the event
+    const LaserScan* scan = nullptr;  ///< of the event, or its swept one
     std::string problem;
+    const std::vector<MotionInput>* motion_meanwhile = nullptr;  ///< of the event
+    SweepMotion sweep;                                           ///< of the vehicle meanwhile
+    std::shared_ptr<const LaserScan> swept;                      ///< with the sensor's motion
 
     /// Cannot be used if it is not.
     void mustBeLaterThan(double time_s);
+    /// Takes observations to the stamp, where the vehicle is now, if they were made after it.
+    void undoSweep(const VehicleState& vehicle, const CompressedEkf& filter);
   };
   Sight see(const SensorEvent& event);
   ScanOutcome refuse(const Sight& sight);
   /// Takes what cannot be used out of a set, and counts it.
   void refuseUnusable(ObservationSet& set);
   void takeMotion(const MotionInput& input);
-  /// Takes the vehicle to where it should be at the time of the set.
-  void begin(ObservationSet& set);
+  /// Takes the vehicle to where it should be at the time of the set, and the set to that time.
+  void begin(Sight& sight);
   /// Finds the landmarks of a set. Where the motion as it claims to be leaves most of the
   /// observations without one, and a motion much worse than that would not, it was worse: the
   /// vehicle's covariance grows by it.
   ScanAssociation associate(const ObservationSet& set);
-  /// What follows from a set once the filter has learnt from it. `scan`: that shows what was
-  /// missed; may be null. `updated` false: the update was refused.
-  void finish(ObservationSet set, const LaserScan* scan, const ScanAssociation& association,
-              bool updated, Instant start, ScanOutcome& outcome);
+  /// What follows from a set once the filter has learnt from it. `updated` false: the update was
+  /// refused.
+  void finish(Sight sight, const ScanAssociation& association, bool updated, Instant start,
+              ScanOutcome& outcome);
 
   CompressedEkf& filter() { return estimate_.filter; }
   const CompressedEkf& filter() const { return estimate_.filter; }

@@ -9,10 +9,11 @@
 
 namespace hymm::core {
 
-/// Whether a scan should have shown a landmark at `position` (sensor frame): within its range of
+/// Whether a scan should have shown a landmark at `position_at_stamp` (from where the
+/// sensor was then): within its range of
 /// visibility, inside the field of view, and with beams that pass its place. A landmark that
 /// something nearer hides is not expected.
-bool shouldBeVisible(const LaserScan& scan, const Eigen::Vector2d& position,
+bool shouldBeVisible(const LaserScan& scan, const Eigen::Vector2d& position_at_stamp,
                      const RegisteredLandmark& landmark, const LandmarkConfig& config);
 
 }  // namespace hymm::core

@@ -8,6 +8,7 @@
 
 #include "common/pose2.h"
 #include "perception/observation.h"
+#include "vehicle/sweep_motion.h"
 
 namespace hymm::core {
 
@@ -23,6 +24,7 @@ struct PoseEstimate {
   /// estimates its systematic errors.
   Pose2 T_base_sensor;
   double range_offset_m = 0.0;
+  SweepMotion sweep;  ///< of base_link while the scan was measured
 };
 
 /// How well the filter explains what the sensors say. Shares are between 0 and 1.

@@ -79,6 +79,47 @@ SensorPlacement VehicleState::placement(const Pose2& T_base_sensor,
   return sensor;
 }
 
+SweepMotion VehicleState::motionFrom(const CompressedEkf& filter,
+                                     const std::vector<MotionInput>& inputs) const {
+  SweepMotion motion;
+  if (!has_input_) return motion;
+  const VehicleVector state = filter.vehicle();
+  const Calibration calibration = this->calibration(state);
+  const MotionError error = motionError(state);
+  const Eigen::Vector3d times_s = model_.correlationTimes();
+  const auto velocityAt = [&](const MotionInput& input, double after_s) {
+    const Eigen::Array3d kept = (-after_s / times_s.array()).exp();  // see predict()
+    return model_.velocity(
+        input, calibration,
+        {kept[0] * error.speed, kept[1] * error.turn, kept[2] * error.turn_relative});
+  };
+  const BodyVelocity first = velocityAt(input_, 0.0);
+  motion.velocity_covariance = velocityCovariance(first, filter.vehicleCovariance());
+  motion.white_density = first.white_density;
+  motion.pieces.push_back({0.0, first.forward_mps, first.lateral_mps, first.yaw_rate_radps});
+  for (const MotionInput& input : inputs) {
+    const double after_s = timeOf(input) - time_s_;
+    if (after_s <= motion.pieces.back().from_s) continue;
+    const BodyVelocity v = velocityAt(input, after_s);
+    motion.pieces.push_back({after_s, v.forward_mps, v.lateral_mps, v.yaw_rate_radps});
+  }
+  return motion;
+}
+
+/// Of (forward, lateral, yaw rate), by what is known of calibration and errors.
+Eigen::Matrix3d VehicleState::velocityCovariance(const BodyVelocity& velocity,
+                                                 const VehicleMatrix& covariance) const {
+  Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, size_);
+  for (int k = 0; k < 3; ++k) {
+    const int index = calibration_index_[static_cast<std::size_t>(k)];
+    if (index >= 0) J.col(index) = velocity.J_calibration.col(k);
+  }
+  J.col(kErrorIndex) = velocity.J_error.col(0);
+  J.col(kErrorIndex + 1) = velocity.J_error.col(1);
+  if (turn_relative_index_ >= 0) J.col(turn_relative_index_) = velocity.J_error.col(2);
+  return J * covariance * J.transpose();
+}
+
 LaserCalibration VehicleState::laserCalibration(const CompressedEkf& filter) const {
   const VehicleVector state = filter.vehicle();
   const VehicleMatrix covariance = filter.vehicleCovariance();

@@ -2,12 +2,14 @@
 
 #include <array>
 #include <limits>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "cekf/compressed_ekf.h"
 #include "cekf/observation_model.h"
 #include "vehicle/motion_model.h"
+#include "vehicle/sweep_motion.h"
 
 namespace hymm::core {
 
@@ -40,6 +42,10 @@ class VehicleState {
 
   /// A sensor mounted at `T_base_sensor`, with its errors of yaw, range and time as among `state`.
   SensorPlacement placement(const Pose2& T_base_sensor, const VehicleVector& state) const;
+
+  /// How the vehicle moves on from the present time: by the input in force, then by `inputs`, each
+  /// of which holds until the next. Still if there has been no input.
+  SweepMotion motionFrom(const CompressedEkf& filter, const std::vector<MotionInput>& inputs) const;
 
   static Pose2 pose(const CompressedEkf& filter) {
     return Pose2::fromVector(filter.vehicle().head<3>());
@@ -91,6 +97,8 @@ class VehicleState {
   template <class Archive>
   void describeState(Archive& archive);
   void predict(CompressedEkf& filter, double age_s, double duration_s);
+  Eigen::Matrix3d velocityCovariance(const BodyVelocity& velocity,
+                                     const VehicleMatrix& covariance) const;
 
   /// Errors of the laser; the index is -1 for what is not estimated.
   struct LaserError {

@@ -80,16 +80,18 @@ std::optional<ScanOutcome> WayBack::wait(const SensorEvent& event) {
   sight.mustBeLaterThan(waiting_->last_scan_s);
   if (!sight.set) return slam_.refuse(sight);
   const CpuTimer timer(slam_.filterCpu_s());
-  return waitThrough(std::move(*sight.set), start);
+  return waitThrough(std::move(sight), start);
 }
 
 /// A scan while the filter waits: the vehicle goes on by its motion.
-ScanOutcome WayBack::waitThrough(ObservationSet set, LandmarkSlam::Instant start) {
+ScanOutcome WayBack::waitThrough(LandmarkSlam::Sight sight, LandmarkSlam::Instant start) {
   ScanOutcome outcome;
+  ObservationSet& set = *sight.set;
   outcome.accepted = outcome.suspended = true;
   slam_.refuseUnusable(set);
   waiting_->last_scan_s = set.time_s;
   waiting_->vehicle.moveTo(waiting_->filter, set.time_s);
+  sight.undoSweep(waiting_->vehicle, waiting_->filter);
   CekfSlam::Counts& counts = slam_.eventCounts();
   if (!replaying_) {
     counts.forgotten_states += ring_.dropScansBefore(set.time_s - CekfSlam::kLongestSuspension_s);
@@ -100,6 +102,7 @@ ScanOutcome WayBack::waitThrough(ObservationSet set, LandmarkSlam::Instant start
   outcome.pose = pose();
   tellSensor(waiting_->vehicle.placement(set.T_base_sensor, waiting_->filter.vehicle()),
              outcome.pose);
+  outcome.pose.sweep = std::move(sight.sweep);
   describeHealth(set.time_s, start, outcome);
   outcome.observations = std::move(set);
   return outcome;
@@ -270,7 +273,7 @@ void WayBack::moveAlong(const SensorEvent& event, Resumption& result) {
   if (const auto* input = std::get_if<MotionInput>(&event)) slam_.takeMotion(*input);
   LandmarkSlam::Sight sight = seeAgain(event);
   if (!sight.set) return;
-  slam_.begin(*sight.set);
+  slam_.begin(sight);
   ++result.scans;
 }
 
@@ -305,8 +308,8 @@ Resumption WayBack::replayAlong(const std::vector<PlaceAtScan>& path,
 
 void WayBack::closeAt(const Pose2& T_map_base, LandmarkSlam::Sight sight, Resumption& result) {
   const auto start = std::chrono::steady_clock::now();
-  ObservationSet& set = *sight.set;
-  slam_.begin(set);
+  slam_.begin(sight);
+  const ObservationSet& set = *sight.set;
   ++result.scans;
   CompressedEkf& filter = slam_.filter();
   const Eigen::Vector2d before = VehicleState::pose(filter).position();
@@ -333,7 +336,7 @@ void WayBack::closeAt(const Pose2& T_map_base, LandmarkSlam::Sight sight, Resump
   result.reason = "The loop was closed by " + std::to_string(closing->pairs()) +
                   " landmarks, which moved the vehicle by " + std::to_string(result.correction_m) +
                   " m.";
-  slam_.finish(std::move(set), sight.scan, closing->association, true, start, outcome);
+  slam_.finish(std::move(sight), closing->association, true, start, outcome);
 }
 
 }  // namespace hymm::core

@@ -44,7 +44,7 @@ class WayBack {
 
   std::optional<ScanOutcome> apply(const SensorEvent& event);
   std::optional<ScanOutcome> wait(const SensorEvent& event);
-  ScanOutcome waitThrough(ObservationSet set, LandmarkSlam::Instant start);
+  ScanOutcome waitThrough(LandmarkSlam::Sight sight, LandmarkSlam::Instant start);
   void keepLocalState();
 
   std::optional<LocalStateRing::Way> findWay(double time_s) const;

@@ -62,13 +62,14 @@ ScanAgreement ScanMatcher::agreement(const HybridMap& map, const LaserScan& scan
     const auto range = static_cast<double>(scan.ranges_m[i]);
     if (!scan.isHit(range) || range > config_.range_m) continue;
     ++beams;
-    const double bearing = T_map_laser.yaw_rad + scan.bearing(i);
+    const Pose2 T_map_beam = scan.poseAtBeam(i, T_map_laser);
+    const double bearing = T_map_beam.yaw_rad + scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
-    if (const auto there = occupancyAround(map, T_map_laser.position() + range * along)) {
+    if (const auto there = occupancyAround(map, T_map_beam.position() + range * along)) {
       hits.add(*there);
     }
     for (double at = kFreeSpacing_m; at < range - clear_m; at += kFreeSpacing_m) {
-      if (const auto there = occupancyAt(map, T_map_laser.position() + at * along)) {
+      if (const auto there = occupancyAt(map, T_map_beam.position() + at * along)) {
         free.add(*there);
       }
     }

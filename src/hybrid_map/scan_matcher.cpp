@@ -25,15 +25,16 @@ constexpr double kUnknownLikelihood = 0.3;
 
 using Points = std::vector<Eigen::Vector2d>;
 
-/// Where beams end, in the laser's frame; one of those that fall into one cell, so that near walls
-/// do not count more than far ones.
+/// Where beams end, from where the laser was at the stamp; one of those that fall into one cell, so
+/// that near walls do not count more than far ones.
 Points endsOf(const LaserScan& scan, double range_m, double resolution_m) {
   Points ends;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
     if (!scan.isHit(range) || range > range_m) continue;
     const double bearing = scan.bearing(i);
-    const Eigen::Vector2d end = range * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
+    Eigen::Vector2d end = range * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
+    if (!scan.T_stamp_beam.empty()) end = scan.T_stamp_beam[i] * end;
     if (ends.empty() || (end - ends.back()).norm() >= resolution_m) ends.push_back(end);
   }
   return ends;

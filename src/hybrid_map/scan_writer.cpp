@@ -76,7 +76,6 @@ std::size_t ScanWriter::write(const LaserScan& scan, const Pose2& T_map_laser,
   pieces_.clear();
   hits_.clear();
   std::size_t beams = 0;
-  const Eigen::Vector2d start = T_map_laser.position();
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
     // No return is told by infinity or the maximum; what lies beyond may as well be a mask.
@@ -86,8 +85,10 @@ std::size_t ScanWriter::write(const LaserScan& scan, const Pose2& T_map_laser,
     if (!is_measured && !is_clear) continue;
     const double length =
         std::min({range, config_.range_m, is_clear ? scan.range_max_m : config_.range_m});
-    const double bearing = T_map_laser.yaw_rad + scan.bearing(i);
+    const Pose2 T_map_beam = scan.poseAtBeam(i, T_map_laser);
+    const double bearing = T_map_beam.yaw_rad + scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
+    const Eigen::Vector2d start = T_map_beam.position();
     cutter_.cut(start, start + length * along, pieces_);
     if (is_measured && range <= config_.range_m) addHit(pieces_.back(), writer);
     ++beams;

@@ -122,7 +122,8 @@ std::size_t TrafficCounter::look(const LaserScan& scan, const Pose2& T_map_laser
     const bool is_hit = scan.isHit(range) && range <= range_m;
     const double bearing = scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
-    const Eigen::Vector2d end = T_map_laser * ((is_hit ? range : 0.0) * along);
+    const Pose2 T_map_beam = scan.poseAtBeam(i, T_map_laser);
+    const Eigen::Vector2d end = T_map_beam * ((is_hit ? range : 0.0) * along);
     const bool moves = is_hit && isCertainlyFree(end, occupancy);
     const bool continues = !run.empty() && (end - run.back()).norm() <= config_.square_m;
     if (!moves || !continues) finishRun(run, scan.time_s);
@@ -151,8 +152,9 @@ void TrafficCounter::watch(const LaserScan& scan, const Pose2& T_map_laser, doub
     const double bearing = scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
     const double end = std::min({range, range_m, scan.range_max_m});
+    const Pose2 T_map_beam = scan.poseAtBeam(i, T_map_laser);
     for (double at = 0.0; at < end; at += config_.square_m) {
-      squares_.emplace(squareOf(T_map_laser * (at * along)), false);
+      squares_.emplace(squareOf(T_map_beam * (at * along)), false);
     }
   }
 }

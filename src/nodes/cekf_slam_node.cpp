@@ -53,7 +53,7 @@ CekfSlamNode::CekfSlamNode(const core::CekfSlamConfig& config,
       reader_(
           SensorMountings(tf_, vehicle.config.base_frame, laserFallback(vehicle), kMountingWait_s),
           GpsConverter(vehicle.config.gps_antenna.T_base_sensor().position()), point_clouds,
-          causes_),
+          config.use_time_increment, causes_),
       output_(handle_, config, vehicle.config.map_frame),
       queue_(kQueueCapacity),
       inputs_(handle_, config.motion_input, config.observation_input, config.gps.enabled, queue_,

@@ -144,6 +144,7 @@ bool HymmGridNode::matchScan(MatchScan::Request& request, MatchScan::Response& r
   }
   core::PoseEstimate pose = last_pose_;
   if (request.use_guess) pose.T_map_base = fromMessage(request.guess);
+  if (!is_last) pose.sweep = {};  // how the vehicle moved during another scan is not known
   const core::PosedScan posed = mapper_.posed(scan, pose);
   const core::ScanMatcher& matcher = mapper_.matcher();
   const core::ScanAgreement agreement =

@@ -17,13 +17,14 @@ enum class BeamKind {
 };
 
 /// A scan as a ring or row of beams, seen without copying. On a full turn indices go around; a
-/// beam that a driver repeats at the end of the turn is left out.
+/// beam that a driver repeats at the end of the turn is left out. Where beams are measured one
+/// after another the turn is not closed: between its last beam and its first the sensor has moved.
 class BeamView {
  public:
   explicit BeamView(const LaserScan& scan)
       : scan_(scan), size_(static_cast<int>(scan.ranges_m.size())) {
     const double turn = 2.0 * kPi / spacing();  // beams of a full turn
-    full_turn_ = size_ > 2 && size_ >= turn - 0.5;
+    full_turn_ = size_ > 2 && size_ >= turn - 0.5 && scan.sweep_s() == 0.0;
     if (full_turn_) size_ = static_cast<int>(std::lround(turn));
   }
 
@@ -42,6 +43,11 @@ class BeamView {
   /// Of a place between beams, too; not wrapped.
   double bearing(double index) const {
     return scan_.angle_min_rad + index * scan_.angle_increment_rad;
+  }
+
+  /// When a place between beams, too, was measured, after the scan's stamp.
+  double afterStamp_s(double index) const {
+    return scan_.sweep_s() > 0.0 ? index * scan_.time_increment_s : 0.0;
   }
 
   BeamKind kind(int index) const {

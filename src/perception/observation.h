@@ -27,7 +27,15 @@ struct Observation {
   /// Of the diameter with (range, bearing): not zero where the centre's place hangs on it.
   Eigen::Vector2d diameter_covariance = Eigen::Vector2d::Zero();
   int identity = -1;  ///< of the landmark, where the sensor reads one; else -1
+  /// When it was measured, after the set's stamp: then the sensor had moved on, see asOfStamp().
+  double after_stamp_s = 0.0;
 };
+
+/// An observation as it would have been made at the stamp of its set, where the sensor was then.
+/// `T_stamp_sensor` is where it was when it measured, from there; `covariance` is of that pose (x
+/// [m], y [m], yaw [rad]), in the axes of the stamp, and independent of the observation.
+Observation asOfStamp(const Observation& observation, const Pose2& T_stamp_sensor,
+                      const Eigen::Matrix3d& covariance);
 
 /// All landmarks seen at one time by one sensor.
 struct ObservationSet {

@@ -83,7 +83,9 @@ Observation ReflectorDetector::toObservation(const BeamView& beams, const Cluste
   Observation observation;
   observation.type = LandmarkType::kReflector;
   observation.range_m = cluster.range_sum_m / hits + depth.mean_m;
-  observation.bearing_rad = wrapAngle(beams.bearing(0.5 * (cluster.first + cluster.last)));
+  const double middle = 0.5 * (cluster.first + cluster.last);
+  observation.bearing_rad = wrapAngle(beams.bearing(middle));
+  observation.after_stamp_s = beams.afterStamp_s(middle);
   observation.covariance.setZero();
   observation.covariance(0, 0) =
       (noise_.range_noise_m * noise_.range_noise_m + depth.variance) / hits +

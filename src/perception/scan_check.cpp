@@ -34,6 +34,10 @@ std::optional<std::string> angleProblem(const LaserScan& scan) {
   return std::nullopt;
 }
 
+// Between a scan's end and the next one's begin a laser may pause, but they do not overlap; drivers
+// that tell the times roughly are let pass.
+constexpr double kRoughly = 1.5;
+
 std::optional<std::string> limitProblem(const LaserScan& scan) {
   if (std::isfinite(scan.range_min_m) && scan.range_min_m >= 0.0 &&
       scan.range_max_m > scan.range_min_m) {
@@ -49,6 +53,10 @@ std::optional<std::string> lengthProblem(const LaserScan& scan) {
     return sentence("intensities has ", scan.intensities.size(), " values and ranges ",
                     scan.ranges_m.size(), "; intensities must be as long as ranges, or empty.");
   }
+  if (!scan.T_stamp_beam.empty() && scan.T_stamp_beam.size() != scan.ranges_m.size()) {
+    return sentence("the sensor's motion is known for ", scan.T_stamp_beam.size(), " of ",
+                    scan.ranges_m.size(), " beams; it must be for all, or for none.");
+  }
   return std::nullopt;
 }
 
@@ -61,6 +69,24 @@ std::optional<std::string> scanProblem(const LaserScan& scan) {
   if (auto problem = lengthProblem(scan)) return problem;
   if (auto problem = angleProblem(scan)) return problem;
   return limitProblem(scan);
+}
+
+std::optional<std::string> sweepProblem(const LaserScan& scan, double scan_time_s) {
+  const double increment_s = scan.time_increment_s;
+  if (!std::isfinite(increment_s) || increment_s < 0.0) {
+    return sentence("time_increment is ", increment_s, " s; it must be finite and not negative.");
+  }
+  const double sweep_s = increment_s * static_cast<double>(scan.ranges_m.size());
+  if (sweep_s > LaserScan::kLongestSweep_s) {
+    return sentence(scan.ranges_m.size(), " ranges at a time_increment of ", increment_s,
+                    " s take ", sweep_s, " s; more than ", LaserScan::kLongestSweep_s,
+                    " s is not believed.");
+  }
+  if (scan_time_s > 0.0 && sweep_s > kRoughly * scan_time_s) {
+    return sentence(scan.ranges_m.size(), " ranges at a time_increment of ", increment_s,
+                    " s take ", sweep_s, " s, but scan_time says ", scan_time_s, " s.");
+  }
+  return std::nullopt;
 }
 
 std::size_t invalidRanges(const LaserScan& scan) {

@@ -151,11 +151,12 @@ Observation TrunkDetector::toObservation(const BeamView& beams, const Shape& sha
                                          const TrunkEstimate& estimate) const {
   const double range_m = estimate.mean[0];
   const double direction = beams.increment() < 0.0 ? -1.0 : 1.0;
+  const double middle = 0.5 * (shape.first + shape.last);
   Observation observation;
   observation.type = LandmarkType::kTrunk;
   observation.range_m = range_m;
-  observation.bearing_rad =
-      wrapAngle(beams.bearing(0.5 * (shape.first + shape.last)) + direction * estimate.mean[1]);
+  observation.bearing_rad = wrapAngle(beams.bearing(middle) + direction * estimate.mean[1]);
+  observation.after_stamp_s = beams.afterStamp_s(middle);
   observation.covariance = estimate.covariance.topLeftCorner<2, 2>();
   observation.covariance(0, 1) *= direction;
   observation.covariance(1, 0) *= direction;

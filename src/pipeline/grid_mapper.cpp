@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "common/cpu_timer.h"
+#include "perception/swept_scan.h"
 
 namespace hymm::core {
 namespace {
@@ -18,7 +19,7 @@ constexpr const char* kOnlyForLocalising =
 
 PosedScan posedScan(const LaserScan& scan, const PoseEstimate& pose, double min_range_m) {
   PosedScan posed;
-  posed.scan = scan;
+  posed.scan = sweptScan(scan, pose.sweep, pose.T_base_sensor);
   const auto offset_m = static_cast<float>(pose.range_offset_m);
   for (float& range_m : posed.scan.ranges_m) {
     range_m -= offset_m;

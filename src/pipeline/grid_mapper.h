@@ -90,7 +90,8 @@ class GridMapper {
 };
 
 /// The scan with its sensor's pose in the map, and the deviations of that pose relative to the
-/// landmarks around. Ranges below `min_range_m` become no measurement (NaN).
+/// landmarks around, and with its motion during the scan. Ranges below `min_range_m` become no
+/// measurement (NaN).
 PosedScan posedScan(const LaserScan& scan, const PoseEstimate& pose, double min_range_m);
 
 }  // namespace hymm::core

@@ -15,4 +15,9 @@ struct TimeVisitor {
 
 double timeOf(const SensorEvent& event) { return std::visit(TimeVisitor{}, event); }
 
+double endOf(const SensorEvent& event) {
+  const auto* scan = std::get_if<ScanEvent>(&event);
+  return timeOf(event) + (scan != nullptr ? scan->scan.sweep_s() : 0.0);
+}
+
 }  // namespace hymm::core

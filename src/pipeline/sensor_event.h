@@ -1,6 +1,7 @@
 #pragma once
 
 #include <variant>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -15,6 +16,9 @@ namespace hymm::core {
 struct ScanEvent {
   LaserScan scan;
   Pose2 T_base_laser;
+  /// Inputs after the stamp, up to the last beam, where beams are measured one after another. They
+  /// tell how the sensor moved meanwhile; as events of their own they come behind the scan.
+  std::vector<MotionInput> motion_meanwhile = {};
 };
 
 /// A GPS fix in a local east-north frame, in metres.
@@ -35,5 +39,8 @@ struct ClockReset {
 using SensorEvent = std::variant<MotionInput, ScanEvent, ObservationSet, GpsFix, ClockReset>;
 
 double timeOf(const SensorEvent& event);
+
+/// When the last of it was measured: not before timeOf().
+double endOf(const SensorEvent& event);
 
 }  // namespace hymm::core

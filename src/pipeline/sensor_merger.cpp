@@ -25,7 +25,7 @@ void delay(MotionInput& input, double delay_s) {
 
 void SensorMergerConfig::describe(ConfigSchema& schema) {
   schema.number("motion_wait_s", motion_wait_s, Range::between(0.0, 10.0),
-                "longest wait of a scan for motion at or past its stamp (live only)");
+                "longest wait of a scan for motion at or past its last beam (live only)");
   schema.number(
       "motion_delay_s", motion_delay_s, Range::between(0.0, 5.0),
       "from a motion input's stamp to when the vehicle moves so: of odometry that is what "
@@ -43,7 +43,8 @@ void SensorMerger::push(SensorEvent event, double now_s) {
   const bool is_motion = motion != nullptr;
   if (is_motion) delay(*motion, config_.motion_delay_s);
   const double time_s = timeOf(event);
-  Pending pending{std::move(event), time_s, now_s};
+  const double end_s = endOf(event);
+  Pending pending{std::move(event), time_s, end_s, now_s};
   // Compared within its kind: live, one topic may come later than another by seconds of a fast
   // playback, but each is in order.
   const double newest_s = is_motion ? newest_motion_s_ : newest_s_;
@@ -83,7 +84,7 @@ void SensorMerger::acceptClockJump() {
 std::vector<SensorEvent> SensorMerger::popReady(double now_s) {
   while (!measurements_.empty()) {
     const Pending& first = measurements_.front();
-    const bool motion_known = newest_motion_s_ >= first.time_s;
+    const bool motion_known = newest_motion_s_ >= first.end_s;
     if (!motion_known && now_s - first.arrival_s <= config_.motion_wait_s) break;
     releaseFirstMeasurement();
   }
@@ -111,10 +112,21 @@ void SensorMerger::reset() {
 void SensorMerger::releaseFirstMeasurement() {
   Pending first = std::move(measurements_.front());
   measurements_.pop_front();
-  if (newest_motion_s_ < first.time_s) ++counts_.without_motion;
+  if (newest_motion_s_ < first.end_s) ++counts_.without_motion;
   releaseMotionUpTo(first.time_s);
   released_s_ = std::max(released_s_, first.time_s);
+  auto* scan = std::get_if<ScanEvent>(&first.event);
+  if (scan != nullptr && first.end_s > first.time_s) tellMotionMeanwhile(*scan);
   ready_.push_back(std::move(first.event));
+}
+
+void SensorMerger::tellMotionMeanwhile(ScanEvent& scan) const {
+  const double end_s = scan.scan.time_s + scan.scan.sweep_s();
+  for (const Pending& pending : motion_) {
+    if (pending.time_s > end_s) break;
+    const auto& input = std::get<MotionInput>(pending.event);
+    if (isFinite(input)) scan.motion_meanwhile.push_back(input);
+  }
 }
 
 void SensorMerger::releaseMotionUpTo(double time_s) {

@@ -21,8 +21,9 @@ struct SensorMergerConfig {
 
 /// Merges sensor streams by stamp, so that a filter sees the same order live and offline. Motion
 /// inputs are kept until a scan, observation set or fix needs them; that one is released, behind
-/// the motion up to its stamp, as soon as motion at or past its stamp has come, or when it has
-/// waited long enough. Motion inputs get the stamps at which the vehicle does what they say. Events
+/// the motion up to its stamp, as soon as motion at or past its end (a scan's last beam; else the
+/// stamp) has come, or when it has waited long enough. A scan that takes its time is told the
+/// motion meanwhile. Motion inputs get the stamps at which the vehicle does what they say. Events
 /// older than what was released are dropped and counted; a run of them, all older than the newest
 /// by more than clock_jump_s, is a new recording: what is left of the old one comes first, then a
 /// ClockReset, then the new events.
@@ -30,7 +31,7 @@ class SensorMerger {
  public:
   struct Counts {
     std::size_t out_of_order = 0;    ///< dropped: older than what was released
-    std::size_t without_motion = 0;  ///< released although no motion at or past their stamp came
+    std::size_t without_motion = 0;  ///< released although no motion at or past their end came
     std::size_t clock_resets = 0;
   };
 
@@ -54,7 +55,7 @@ class SensorMerger {
  private:
   struct Pending {
     SensorEvent event;
-    double time_s;
+    double time_s, end_s;
     double arrival_s;
   };
 
@@ -62,6 +63,7 @@ class SensorMerger {
   void acceptClockJump();
   void releaseFirstMeasurement();
   void releaseMotionUpTo(double time_s);
+  void tellMotionMeanwhile(ScanEvent& scan) const;
   void releaseAll();
   void forgetTimes();
 

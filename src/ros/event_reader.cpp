@@ -22,8 +22,13 @@ core::SensorEvent placed(core::ObservationSet set, const core::Pose2& T_base_sen
 }  // namespace
 
 EventReader::EventReader(SensorMountings mountings, GpsConverter gps,
-                         const core::PointCloudConfig& points, CauseLog& causes)
-    : mountings_(std::move(mountings)), gps_(std::move(gps)), points_(points), causes_(causes) {}
+                         const core::PointCloudConfig& points, bool use_time_increment,
+                         CauseLog& causes)
+    : mountings_(std::move(mountings)),
+      gps_(std::move(gps)),
+      points_(points),
+      use_time_increment_(use_time_increment),
+      causes_(causes) {}
 
 EventReader::Answer EventReader::read(const SensorMessage& message, double steady_now_s) {
   return std::visit(
@@ -61,15 +66,26 @@ EventReader::Answer EventReader::readPlaced(const Message& message, double stead
   }
   auto measurement = fromMessage(message);
   if (mounting.upside_down) turnUpright(measurement);
-  if constexpr (std::is_same_v<Message, sensor_msgs::LaserScan>) {
-    if (core::invalidRanges(measurement) > 0) {
-      causes_.count("scans with negative ranges",
-                    "A scan of frame '" + message.header.frame_id +
-                        "' has negative ranges, which mean nothing (REP-117); these beams are "
-                        "taken for ones without a measurement.");
-    }
-  }
+  if constexpr (std::is_same_v<Message, sensor_msgs::LaserScan>) checkScan(message, measurement);
   return {placed(std::move(measurement), *mounting.T_base_sensor), false};
+}
+
+/// Tells of what is wrong in parts of a scan, and takes out of it what would do harm.
+void EventReader::checkScan(const sensor_msgs::LaserScan& message, core::LaserScan& scan) {
+  const std::string a_scan = "A scan of frame '" + message.header.frame_id + "'";
+  if (core::invalidRanges(scan) > 0) {
+    causes_.count("scans with negative ranges",
+                  a_scan +
+                      " has negative ranges, which mean nothing (REP-117); these beams are "
+                      "taken for ones without a measurement.");
+  }
+  if (!use_time_increment_) scan.time_increment_s = 0.0;
+  if (const auto problem = core::sweepProblem(scan, static_cast<double>(message.scan_time))) {
+    scan.time_increment_s = 0.0;
+    causes_.count("scans with an unusable time_increment",
+                  a_scan + " cannot say when its beams were measured: " + *problem +
+                      " They are all taken as measured at its stamp.");
+  }
 }
 
 EventReader::Answer EventReader::readCloud(const sensor_msgs::PointCloud2& message,

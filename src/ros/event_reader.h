@@ -21,9 +21,10 @@ class EventReader {
     bool waiting = false;  ///< tf may yet tell where the sensor stands: ask again with this message
   };
 
-  /// `points`: how clouds become scans.
+  /// `points`: how clouds become scans. `use_time_increment`: whether to believe what scans tell of
+  /// how long they take.
   EventReader(SensorMountings mountings, GpsConverter gps, const core::PointCloudConfig& points,
-              CauseLog& causes);
+              bool use_time_increment, CauseLog& causes);
 
   Answer read(const SensorMessage& message, double steady_now_s);
 
@@ -33,6 +34,7 @@ class EventReader {
  private:
   std::optional<core::SensorEvent> readOdometry(const nav_msgs::Odometry& message);
   std::optional<core::SensorEvent> readGps(const sensor_msgs::NavSatFix& message);
+  void checkScan(const sensor_msgs::LaserScan& message, core::LaserScan& scan);
   template <class Message>
   Answer readPlaced(const Message& message, double steady_now_s);
   Answer readCloud(const sensor_msgs::PointCloud2& message, double steady_now_s);
@@ -41,6 +43,7 @@ class EventReader {
   GpsConverter gps_;
   OdometryReader odometry_;
   core::PointCloudConfig points_;
+  bool use_time_increment_;
   CauseLog& causes_;
 };
 

@@ -19,6 +19,13 @@ FilterPose toMessage(const core::PoseEstimate& estimate, const std::string& fram
   message.sensor = toPoseMessage(estimate.T_base_sensor);
   message.range_offset = estimate.range_offset_m;
   Eigen::Map<RowMajor3>(message.relative_covariance.data()) = estimate.relative_covariance;
+  for (const core::SweepMotion::Piece& piece : estimate.sweep.pieces) {
+    SweepPiece& part = message.sweep.emplace_back();
+    part.begin = piece.from_s;
+    part.forward = piece.forward_mps;
+    part.lateral = piece.lateral_mps;
+    part.yaw_rate = piece.yaw_rate_radps;
+  }
   return message;
 }
 
@@ -31,6 +38,9 @@ core::PoseEstimate fromMessage(const FilterPose& message) {
   estimate.T_base_sensor = fromMessage(message.sensor);
   estimate.range_offset_m = message.range_offset;
   estimate.relative_covariance = Eigen::Map<const RowMajor3>(message.relative_covariance.data());
+  for (const SweepPiece& part : message.sweep) {
+    estimate.sweep.pieces.push_back({part.begin, part.forward, part.lateral, part.yaw_rate});
+  }
   return estimate;
 }
 

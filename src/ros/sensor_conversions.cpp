@@ -41,6 +41,7 @@ core::LandmarkType landmarkType(std::uint8_t value) {
 core::LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
   core::LaserScan scan;
   scan.time_s = message.header.stamp.toSec();
+  scan.time_increment_s = static_cast<double>(message.time_increment);
   scan.angle_min_rad = static_cast<double>(message.angle_min);
   scan.angle_increment_rad = static_cast<double>(message.angle_increment);
   scan.range_min_m = static_cast<double>(message.range_min);
@@ -59,6 +60,7 @@ sensor_msgs::LaserScan toMessage(const core::LaserScan& scan, const std::string&
   if (!scan.ranges_m.empty()) {
     message.angle_max = static_cast<float>(scan.bearing(scan.ranges_m.size() - 1));
   }
+  message.time_increment = static_cast<float>(scan.time_increment_s);
   message.range_min = static_cast<float>(scan.range_min_m);
   message.range_max = static_cast<float>(scan.range_max_m);
   message.ranges = scan.ranges_m;

@@ -8,6 +8,7 @@ namespace hymm::core {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kSameMoment_s = 2e-4;     // a vehicle of 5 m/s moves on by a millimetre
 constexpr double kDarkReflectivity = 0.1;  // of the target that dark_range_m speaks of
 
 // Intensities, in units of the SICK LMS recordings: a near retro-reflector fills the scale, and
@@ -18,6 +19,14 @@ constexpr double kDiffuseIntensity = 4096.0;
 
 /// Short grass.
 const Solid kGround{Disc{}, {0.3, false, 0.03}, -1};
+
+/// Number of beams in a row that count as cast at the same moment.
+std::size_t beamsAtOnce(const LaserScan& scan) {
+  const auto beams = static_cast<double>(scan.ranges_m.size());
+  if (scan.time_increment_s <= 0.0) return scan.ranges_m.size();
+  const double at_once = std::floor(kSameMoment_s / scan.time_increment_s);
+  return static_cast<std::size_t>(std::clamp(at_once, 1.0, beams));
+}
 
 }  // namespace
 
@@ -46,70 +55,88 @@ std::optional<Scene::Hit> Scene::cast(const Beam& beam, double range_max_m) cons
 }
 
 SimulatedLaser::SimulatedLaser(const SimulatedLaserConfig& config, RandomGenerator generator)
-    : config_(config), generator_(generator) {}
+    : config_(config), generator_(generator), sweep_s_(emptyScan(0.0).sweep_s()) {}
 
+/// All that is known before the first beam; ranges are NaN.
 LaserScan SimulatedLaser::emptyScan(double time_s) const {
   const double view = std::min(config_.field_of_view_rad, 2.0 * kPi);
   const bool whole_turn = view > 2.0 * kPi - 1e-3;  // then the last beam is not the first again
+  const auto beams = static_cast<std::size_t>(config_.beams);
   LaserScan scan;
   scan.time_s = time_s;
   scan.angle_min_rad = -view / 2.0;
   scan.angle_increment_rad = view / (whole_turn ? config_.beams : config_.beams - 1);
+  if (config_.rotating) {
+    scan.time_increment_s = scan.angle_increment_rad / (2.0 * kPi * config_.rate_hz);
+  }
   scan.range_min_m = config_.range_min_m;
   scan.range_max_m = config_.range_max_m;
-  scan.ranges_m.reserve(static_cast<std::size_t>(config_.beams));
-  scan.intensities.reserve(static_cast<std::size_t>(config_.beams));
+  scan.ranges_m.assign(beams, std::numeric_limits<float>::quiet_NaN());
+  scan.intensities.assign(beams, 0.0F);
   return scan;
 }
 
-SimulatedScan SimulatedLaser::scan(const Scene& scene, const std::vector<Disc>& reflectors,
-                                   const BeamPlane& plane, double time_s) {
+SimulatedScan SimulatedLaser::scan(const View& view, double time_s) {
   SimulatedScan result{emptyScan(time_s), {}};
-  LaserScan& scan = result.scan;
-  const auto beams = static_cast<std::size_t>(config_.beams);
-  std::vector<Hit> hits(beams);
-  for (std::size_t i = 0; i < beams; ++i) {
-    hits[i] = scene.cast(plane.beam(scan.bearing(i)), config_.range_max_m);
+  const std::size_t beams = result.scan.ranges_m.size();
+  const std::size_t size = beamsAtOnce(result.scan);
+  result.beam_landmarks.reserve(beams);
+  for (std::size_t first = 0; first < beams; first += size) {
+    const Group group{first, std::min(first + size, beams)};
+    const double middle = 0.5 * static_cast<double>(group.first + group.end - 1);
+    cast(view(time_s + middle * result.scan.time_increment_s), group, result);
   }
-  widenReflectors(scene, reflectors, plane, scan, hits);
+  return result;
+}
 
-  for (std::size_t i = 0; i < beams; ++i) {
-    Hit& hit = hits[i];
+void SimulatedLaser::cast(const LaserView& view, const Group& group, SimulatedScan& result) {
+  LaserScan& scan = result.scan;
+  std::vector<Hit> hits(group.end - group.first);
+  for (std::size_t i = group.first; i < group.end; ++i) {
+    hits[i - group.first] = view.scene.cast(view.plane.beam(scan.bearing(i)), config_.range_max_m);
+  }
+  widenReflectors(view, scan, group, hits);
+
+  for (std::size_t i = group.first; i < group.end; ++i) {
+    Hit& hit = hits[i - group.first];
     result.beam_landmarks.push_back(hit ? hit->solid->landmark : -1);
     if (hit && !isReturned(*hit)) hit.reset();
     double range = kInfinity;
     if (hit) {
-      range = mixedRange(scene, plane, scan.bearing(i), hit->range_m);
+      range = mixedRange(view.scene, view.plane, scan.bearing(i), hit->range_m);
       range = measuredRange(range, hit->solid->material.roughness_m);
     }
     if (sampleUniform(generator_, 0.0, 1.0) < config_.spurious_return_probability) {
       range = sampleUniform(generator_, config_.range_min_m, std::min(range, config_.range_max_m));
       hit.reset();
     }
-    scan.ranges_m.push_back(reported(range));
-    scan.intensities.push_back(intensity(hit));
+    scan.ranges_m[i] = reported(range);
+    scan.intensities[i] = intensity(hit);
   }
-  return result;
 }
 
 /// A retro-reflector outshines whatever else lies within a beam's width.
-void SimulatedLaser::widenReflectors(const Scene& scene, const std::vector<Disc>& reflectors,
-                                     const BeamPlane& plane, const LaserScan& scan,
-                                     std::vector<Hit>& hits) const {
-  for (const Disc& reflector : reflectors) {
-    const Eigen::Vector2d p = inverse(plane.T_map_laser()) * reflector.centre;
+void SimulatedLaser::widenReflectors(const LaserView& view, const LaserScan& scan,
+                                     const Group& group, std::vector<Hit>& hits) const {
+  const auto first_beam = static_cast<double>(group.first);
+  const auto last_beam = static_cast<double>(group.end - 1);
+  for (const Disc& reflector : view.reflectors) {
+    const Eigen::Vector2d p = inverse(view.plane.T_map_laser()) * reflector.centre;
     const double distance = p.norm();
     if (distance <= reflector.radius_m || distance > config_.range_max_m) continue;
     const double bearing = std::atan2(p.y(), p.x());
-    const auto seen = scene.cast(plane.beam(bearing), distance);
-    if (!seen || !seen->solid->material.retro_reflective) continue;
     const double half_angle =
         std::asin(reflector.radius_m / distance) + config_.beam_width_rad / 2.0;
-    const double first = (bearing - half_angle - scan.angle_min_rad) / scan.angle_increment_rad;
-    const double last = (bearing + half_angle - scan.angle_min_rad) / scan.angle_increment_rad;
-    const double limit = static_cast<double>(hits.size()) - 1.0;
-    for (double i = std::max(0.0, std::ceil(first)); i <= std::min(limit, last); i += 1.0) {
-      Hit& hit = hits[static_cast<std::size_t>(i)];
+    const double first =
+        std::max(first_beam,
+                 std::ceil((bearing - half_angle - scan.angle_min_rad) / scan.angle_increment_rad));
+    const double last =
+        std::min(last_beam, (bearing + half_angle - scan.angle_min_rad) / scan.angle_increment_rad);
+    if (first > last) continue;
+    const auto seen = view.scene.cast(view.plane.beam(bearing), distance);
+    if (!seen || !seen->solid->material.retro_reflective) continue;
+    for (double i = first; i <= last; i += 1.0) {
+      Hit& hit = hits[static_cast<std::size_t>(i) - group.first];
       const bool in_front = !hit || hit->range_m > seen->range_m;
       if (in_front && (!hit || hit->solid != seen->solid)) hit = seen;
     }

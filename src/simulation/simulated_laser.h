@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "common/random.h"
@@ -40,21 +41,40 @@ struct SimulatedScan {
   std::vector<int> beam_landmarks;  ///< what each beam truly met first, or -1
 };
 
-/// A planar laser with the errors of real ones. All beams of a scan are cast at one instant.
+/// What a laser has before it at one moment.
+struct LaserView {
+  Scene scene;
+  std::vector<Disc> reflectors;  ///< places of retro-reflecting discs near the sensor
+  BeamPlane plane;
+};
+
+/// A planar laser with the errors of real ones. Its beams are cast at one instant, or one after
+/// another if it rotates.
 class SimulatedLaser {
  public:
   SimulatedLaser(const SimulatedLaserConfig& config, RandomGenerator generator);
 
-  /// `reflectors` are the places of retro-reflecting discs near the sensor.
-  SimulatedScan scan(const Scene& scene, const std::vector<Disc>& reflectors,
-                     const BeamPlane& plane, double time_s);
+  /// What there is to see at any moment of a scan.
+  using View = std::function<LaserView(double time_s)>;
+
+  /// `time_s`: of the first beam.
+  SimulatedScan scan(const View& view, double time_s);
+
+  /// From the first beam of a scan to the last.
+  double sweep_s() const { return sweep_s_; }
 
  private:
   using Hit = std::optional<Scene::Hit>;
 
+  /// Beams that count as cast at the same moment, from the first to behind the last.
+  struct Group {
+    std::size_t first, end;
+  };
+
   LaserScan emptyScan(double time_s) const;
-  void widenReflectors(const Scene& scene, const std::vector<Disc>& reflectors,
-                       const BeamPlane& plane, const LaserScan& scan, std::vector<Hit>& hits) const;
+  void cast(const LaserView& view, const Group& group, SimulatedScan& result);
+  void widenReflectors(const LaserView& view, const LaserScan& scan, const Group& group,
+                       std::vector<Hit>& hits) const;
   bool isReturned(const Scene::Hit& hit);
   double mixedRange(const Scene& scene, const BeamPlane& plane, double bearing_rad, double range_m);
   double measuredRange(double range_m, double roughness_m);
@@ -63,6 +83,7 @@ class SimulatedLaser {
 
   SimulatedLaserConfig config_;
   RandomGenerator generator_;
+  double sweep_s_;
 };
 
 }  // namespace hymm::core

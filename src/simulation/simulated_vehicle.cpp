@@ -1,6 +1,7 @@
 #include "simulation/simulated_vehicle.h"
 
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace hymm::core {
@@ -40,7 +41,7 @@ SimulatedVehicle::SimulatedVehicle(const VehicleConfig& vehicle,
       turn_noise_(vehicle.noise.correlation_time_s, generator_),
       relative_turn_noise_(vehicle.noise.correlationTimes_s()[2], generator_),
       slip_noise_(vehicle.noise.correlation_time_s, generator_),
-      pose_(route.at(0.0)) {
+      legs_{{0.0, route.at(0.0), {}, 0.0}} {
   drawCalibration();
 }
 
@@ -55,20 +56,28 @@ void SimulatedVehicle::drawCalibration() {
                                          : prior.yaw_rate_offset_deviation_radps);
 }
 
+Pose2 SimulatedVehicle::poseOn(const Leg& leg, double time_s) const {
+  return movedAlongArc(leg.pose, leg.command.speed_mps, leg.slip_mps,
+                       yawRate(leg.command, vehicle_.ackermann.wheelbase_m), time_s - leg.since_s);
+}
+
 Pose2 SimulatedVehicle::T_map_base(double time_s) const {
-  return movedAlongArc(pose_, command_.speed_mps, slip_mps_,
-                       yawRate(command_, vehicle_.ackermann.wheelbase_m), time_s - since_s_);
+  auto leg = legs_.rbegin();
+  while (leg->since_s > time_s && std::next(leg) != legs_.rend()) ++leg;
+  return poseOn(*leg, time_s);
 }
 
 MotionInput SimulatedVehicle::control(double time_s, double period_s) {
-  const double passed_s = time_s - since_s_;
-  pose_ = T_map_base(time_s);
-  since_s_ = time_s;
-  advanceNoise(passed_s);
-  command_ =
-      follower_.isDone() ? RouteFollower::Command{} : follower_.follow(pose_, command_, period_s);
-  slip_mps_ = sensor_.noise_scale * vehicle_.noise.lateral_deviation_relative * command_.speed_mps *
-              slip_noise_.value();
+  Leg next = now();
+  next.pose = poseOn(now(), time_s);
+  next.since_s = time_s;
+  advanceNoise(time_s - now().since_s);
+  next.command = follower_.isDone() ? RouteFollower::Command{}
+                                    : follower_.follow(next.pose, next.command, period_s);
+  next.slip_mps = sensor_.noise_scale * vehicle_.noise.lateral_deviation_relative *
+                  next.command.speed_mps * slip_noise_.value();
+  legs_.push_back(next);
+  while (legs_.size() > 1 && legs_[1].since_s < time_s - kMemory_s) legs_.pop_front();
   return report(time_s);
 }
 
@@ -86,10 +95,11 @@ MotionInput SimulatedVehicle::report(double time_s) const {
 
 AckermannInput SimulatedVehicle::reportEncoders(double time_s) const {
   const AckermannGeometry& geometry = vehicle_.ackermann;
-  const double steering = command_.steering_rad;
+  const RouteFollower::Command& command = now().command;
+  const double steering = command.steering_rad;
   // The wheel that carries the encoder runs on a circle of its own: inside, it is slower.
   const double wheel_speed =
-      command_.speed_mps * terrain_.stretch(pose_) *
+      command.speed_mps * terrain_.stretch(now().pose) *
       (1.0 - std::tan(steering) * geometry.encoder_offset_left_m / geometry.wheelbase_m);
   const MotionNoise& noise = vehicle_.noise;
   const double speed_error =
@@ -99,14 +109,14 @@ AckermannInput SimulatedVehicle::reportEncoders(double time_s) const {
   const double steering_error =
       sensor_.noise_scale *
       (noise.steering_deviation_rad * turn_noise_.value() +
-       noise.steering_deviation_relative * command_.steering_rad * relative_turn_noise_.value());
+       noise.steering_deviation_relative * steering * relative_turn_noise_.value());
   return {time_s, (wheel_speed - speed_error) / calibration_.speed_scale,
           (steering - calibration_.turn_offset - steering_error) / calibration_.turn_scale};
 }
 
 TwistInput SimulatedVehicle::reportTwist(double time_s) const {
-  const double yaw_rate = yawRate(command_, vehicle_.ackermann.wheelbase_m);
-  const double speed = command_.speed_mps * terrain_.stretch(pose_);
+  const double yaw_rate = yawRate(now().command, vehicle_.ackermann.wheelbase_m);
+  const double speed = now().command.speed_mps * terrain_.stretch(now().pose);
   const MotionNoise& noise = vehicle_.noise;
   const double speed_error =
       sensor_.noise_scale *

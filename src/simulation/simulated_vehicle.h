@@ -1,5 +1,7 @@
 #pragma once
 
+#include <deque>
+
 #include "common/random.h"
 #include "simulation/correlated_noise.h"
 #include "simulation/route_follower.h"
@@ -18,8 +20,10 @@ class SimulatedVehicle {
                    const DriveConfig& drive, const Route& route, double speed_mps,
                    RandomGenerator generator, Terrain terrain = {});
 
-  /// Where base_link is at `time_s`, at most one control period after the last control().
+  /// Where base_link is at `time_s`, at most one control period after the last control(), and at
+  /// most kMemory_s before it.
   Pose2 T_map_base(double time_s) const;
+  static constexpr double kMemory_s = 2.0;
 
   /// Moves on to `time_s`, chooses what to do from there, and reports it as the sensors do.
   MotionInput control(double time_s, double period_s);
@@ -44,11 +48,17 @@ class SimulatedVehicle {
   CorrelatedNoise speed_noise_, relative_speed_noise_, turn_noise_, relative_turn_noise_,
       slip_noise_;
 
-  // What holds since `since_s_`.
-  double since_s_ = 0.0;
-  Pose2 pose_;
-  RouteFollower::Command command_;
-  double slip_mps_ = 0.0;
+  /// What holds since a moment, until the next leg.
+  struct Leg {
+    double since_s = 0.0;
+    Pose2 pose;
+    RouteFollower::Command command;
+    double slip_mps = 0.0;
+  };
+  const Leg& now() const { return legs_.back(); }
+  Pose2 poseOn(const Leg& leg, double time_s) const;
+
+  std::deque<Leg> legs_;
 };
 
 }  // namespace hymm::core

@@ -70,7 +70,10 @@ struct Simulation::State {
 
   static MotionInput atRest(MotionInput input);
   SimulatedEvent moveOn();
+  /// When the next scan is complete.
+  double scanEnd_s() const { return scan_clock.next_s() + laser.sweep_s(); }
   SimulatedEvent takeScan();
+  LaserView viewAt(double time_s) const;
   SimulatedEvent detectLandmarks();
   std::optional<SimulatedEvent> fixPosition();
   std::optional<SimulatedEvent> nextOf();
@@ -147,15 +150,17 @@ SimulatedEvent Simulation::State::takeScan() {
   const double time_s = scan_clock.next_s();
   scan_clock.advance();
   const Pose2 T_map_base = vehicle.T_map_base(time_s);
-  const Pose2 T_base_laser = vehicle_config.laser.T_base_sensor();
-  const BeamPlane plane(world.terrain, T_map_base, T_base_laser, config.laser.height_m);
-  const Pose2& T_map_laser = plane.T_map_laser();
+  SimulatedScan scan = laser.scan([this](double at_s) { return viewAt(at_s); }, time_s);
+  return {ScanEvent{std::move(scan.scan), vehicle_config.laser.T_base_sensor()}, T_map_base,
+          std::move(scan.beam_landmarks), measureHeight(T_map_base)};
+}
+
+LaserView Simulation::State::viewAt(double time_s) const {
+  const BeamPlane plane(world.terrain, vehicle.T_map_base(time_s),
+                        vehicle_config.laser.T_base_sensor(), config.laser.height_m);
+  const Eigen::Vector2d place = plane.T_map_laser().position();
   const double range = config.laser.range_max_m;
-  const Scene scene = sceneAt(time_s, T_map_laser.position(), range);
-  SimulatedScan scan =
-      laser.scan(scene, reflectorsNear(T_map_laser.position(), range), plane, time_s);
-  return {ScanEvent{std::move(scan.scan), T_base_laser}, T_map_base, std::move(scan.beam_landmarks),
-          measureHeight(T_map_base)};
+  return {sceneAt(time_s, place, range), reflectorsNear(place, range), plane};
 }
 
 std::optional<double> Simulation::State::measureHeight(const Pose2& T_map_base) {
@@ -193,6 +198,9 @@ Simulation::Simulation(const SimulationConfig& config, const VehicleConfig& vehi
   if (config.laser.range_min_m >= config.laser.range_max_m) {
     throw ConfigError({"simulation: laser.range_min_m must be less than laser.range_max_m."});
   }
+  if (config.laser.rotating && config.laser.rate_hz < 1.0 / LaserScan::kLongestSweep_s) {
+    throw ConfigError({"simulation: laser.rotating needs a laser.rate_hz of at least 1 Hz."});
+  }
   MotionModel{vehicle};  // refuses geometry that cannot drive
 }
 
@@ -203,7 +211,7 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 /// Nothing where the next sensor has nothing to say.
 std::optional<SimulatedEvent> Simulation::State::nextOf() {
   const double motion_s = motion_clock.next_s();
-  const double scan_s = scan_clock.next_s();
+  const double scan_s = scanEnd_s();
   const double detection_s = detection_clock.next_s();
   const double first_s = std::min({motion_s, scan_s, detection_s, gps_clock.next_s()});
   if (first_s == motion_s) return moveOn();

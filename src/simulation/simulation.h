@@ -40,7 +40,9 @@ class Simulation {
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
 
-  /// The next event, ordered by time (of equal times motion comes first); nothing at the end.
+  /// The next event, ordered by time (of equal times motion comes first); nothing at the end. Scans
+  /// of a rotating laser come when they are complete, with the stamp of their first beam: a
+  /// SensorMerger brings them into the order that filters need.
   std::optional<SimulatedEvent> next();
 
   /// Share of the drive that is done, 0 to 1.

@@ -53,6 +53,9 @@ void SimulatedLaserConfig::describe(ConfigSchema& schema) {
   schema.integer("beams", beams, Range{2.0, 100000.0}, "a scan");
   schema.number("range_min_m", range_min_m, Range::notNegative(), "nearer is reported as -inf");
   schema.number("range_max_m", range_max_m, Range::positive(), "farther is reported as +inf");
+  schema.flag("rotating", rotating,
+              "beams are measured one after another, a whole turn in the time from scan to scan; "
+              "else all at one instant");
   schema.number("height_m", height_m, Range::positive(),
                 "of the sensor over the ground; of effect on hills only");
   schema.number("range_deviation_m", range_deviation_m, Range::notNegative(), "constant part");

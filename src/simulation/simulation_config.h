@@ -53,7 +53,7 @@ struct SimulatedMotionConfig {
   void describe(ConfigSchema& schema);
 };
 
-/// A planar laser. A scan is taken at one instant: motion within a turn is not simulated.
+/// A planar laser.
 struct SimulatedLaserConfig {
   bool enabled = true;
   double rate_hz = 5.0;
@@ -61,6 +61,8 @@ struct SimulatedLaserConfig {
   int beams = 361;
   double range_min_m = 0.2;
   double range_max_m = 80.0;
+  bool rotating =
+      false;  ///< beams one after another, a turn from scan to scan; else at one instant
   double height_m = 0.8;  ///< over the ground; of effect on hills only
   double range_deviation_m = 0.01;
   double range_deviation_relative = 0.0003;

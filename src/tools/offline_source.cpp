@@ -28,7 +28,7 @@ EventReader eventReader(const tf2::BufferCore& tf, const core::SuiteConfig& conf
   if (config.vehicle_tells_laser) laser = vehicle.laser.T_base_sensor();
   return EventReader(SensorMountings(tf, vehicle.base_frame, laser, 0.0),
                      GpsConverter({vehicle.gps_antenna.x_m, vehicle.gps_antenna.y_m}),
-                     config.point_clouds, causes);
+                     config.point_clouds, config.cekf_slam.use_time_increment, causes);
 }
 
 /// Reads property samples, which lie in map or in a frame that is fixed to the vehicle.

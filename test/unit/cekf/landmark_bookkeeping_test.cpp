@@ -163,6 +163,21 @@ TEST_F(LandmarkVisibility, ExpectsNothingWhereBeamsTellNothing) {
   EXPECT_TRUE(visible({10.0, 2.0}));
 }
 
+TEST_F(LandmarkVisibility, LooksThroughTheBeamThatPassedFromWhereTheLaserWasByThen) {
+  // Half a metre ahead by the end of the scan; the landmark, left and near, is then more to the
+  // left. What hides it stands where the late beam passes, and not where one of the stamp would.
+  const Vector2d position(1.0, 2.5);
+  scan_.T_stamp_beam.assign(361, Pose2{0.5, 0.0, 0.0});
+  const double late = std::atan2(2.5, 0.5), early = std::atan2(2.5, 1.0);
+  const auto beamOf = [&](double bearing) {
+    return static_cast<std::size_t>((bearing - scan_.angle_min_rad) / scan_.angle_increment_rad);
+  };
+  scan_.ranges_m[beamOf(early) - 10] = 1.0F;
+  EXPECT_TRUE(visible(position));
+  scan_.ranges_m[beamOf(late)] = 1.0F;
+  EXPECT_FALSE(visible(position));
+}
+
 TEST_F(LandmarkVisibility, ExpectsNothingBehindOrFarAway) {
   EXPECT_FALSE(visible({-10.0, 0.0}));
   EXPECT_FALSE(visible({0.1, 10.0}));

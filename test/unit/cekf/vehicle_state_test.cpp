@@ -170,5 +170,49 @@ TEST(VehicleState, BelievesTheMotionAgainWhenTheDoubtIsOver) {
   EXPECT_LT(covarianceAfterDrive(3.0, 5.0).trace(), covarianceAfterDrive(3.0, 20.0).trace());
 }
 
+TEST(VehicleState, GoesOnByTheInputInForceAndThenByThoseThatFollow) {
+  VehicleState vehicle(VehicleConfig{}, true, false);
+  CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance());
+  EXPECT_TRUE(vehicle.motionFrom(filter, {}).isStill());
+  vehicle.takeInput(filter, TwistInput{1.0, 5.0, 0.0, 0.2});
+  vehicle.moveTo(filter, 1.02);
+  const SweepMotion motion = vehicle.motionFrom(
+      filter, {TwistInput{1.04, 5.0, 0.0, 0.4}, TwistInput{1.06, 0.0, 0.0, 0.0}});
+  ASSERT_EQ(motion.pieces.size(), 3U);
+  EXPECT_NEAR(motion.pieces[1].from_s, 0.02, 1e-12);
+  EXPECT_EQ(motion.pieces[1].yaw_rate_radps, 0.4);
+  const Pose2 pose = motion.poseAfter(0.1);
+  EXPECT_NEAR(pose.yaw_rad, 0.02 * 0.2 + 0.02 * 0.4, 1e-12);
+  EXPECT_NEAR(pose.x_m, 0.2, 1e-4);
+}
+
+TEST(VehicleState, MovesOnAsItPredictsItself) {
+  // With errors of the input estimated: what tells the motion within a scan, and what takes the
+  // filter to the next, are the same.
+  Car car;
+  car.filter.setVehicleState(3, 0.7);
+  car.filter.setVehicleState(4, -1.2);
+  const Pose2 before = VehicleState::pose(car.filter);
+  const SweepMotion motion = car.vehicle.motionFrom(car.filter, {AckermannInput{1.03, 2.0, 0.1}});
+  car.vehicle.takeInput(car.filter, AckermannInput{1.03, 2.0, 0.1});
+  car.vehicle.moveTo(car.filter, 1.1);
+  const Pose2 error = inverse(VehicleState::pose(car.filter)) * (before * motion.poseAfter(0.1));
+  EXPECT_LT(error.vector().norm(), 1e-9);
+}
+
+TEST(VehicleState, KnowsItsVelocityAsWellAsTheErrorsOfItsInput) {
+  VehicleConfig config;
+  VehicleState vehicle(config, true, false);
+  CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance());
+  vehicle.takeInput(filter, TwistInput{0.0, 5.0, 0.0, 0.0});
+  vehicle.moveTo(filter, 0.0);
+  const Eigen::Matrix3d C = vehicle.motionFrom(filter, {}).velocity_covariance;
+  EXPECT_NEAR(C(2, 2), std::pow(config.noise.yaw_rate_deviation_radps, 2), 1e-12);
+  EXPECT_NEAR(C(0, 0),
+              std::pow(config.noise.speed_deviation_mps, 2) +
+                  std::pow(5.0 * config.noise.speed_deviation_relative, 2),
+              1e-12);
+}
+
 }  // namespace
 }  // namespace hymm::core

@@ -591,5 +591,34 @@ RC_GTEST_PROP(HybridMap, LosesNoObservationWhateverTheLandmarksDo, ()) {
   }
 }
 
+TEST(HybridMap, WritesEachBeamFromWhereItsLaserWasByThen) {
+  // At 5 m/s along a wall at y = 4.1, in a turn of 0.1 s: every beam ends on the wall.
+  HybridMap map = mapOver(squareMap());
+  PosedScan posed = beam({-2.0, 0.05, 0.0}, 1.0);
+  posed.scan.angle_min_rad = 0.8;
+  posed.scan.angle_increment_rad = 0.05;
+  posed.scan.ranges_m.clear();
+  for (int i = 0; i < 30; ++i) {
+    posed.scan.ranges_m.push_back(
+        static_cast<float>(4.05 / std::sin(posed.scan.bearing(std::size_t(i)))));
+    posed.scan.T_stamp_beam.push_back({0.5 * i / 30.0, 0.0, 0.0});
+  }
+  ASSERT_TRUE(map.insert(posed).accepted);
+  for (std::size_t i = 0; i < posed.scan.ranges_m.size(); ++i) {
+    const double x = -2.0 + posed.scan.T_stamp_beam[i].x_m + 4.05 / std::tan(posed.scan.bearing(i));
+    EXPECT_GE(probabilityAt(map, {x, 4.1}), kHit - 1e-6) << x;
+  }
+  EXPECT_LT(probabilityAt(map, {-1.6, 0.35}), 0.5);  // only late beams, from farther on, pass here
+}
+
+TEST(HybridMap, RefusesAScanWhoseMotionIsNotKnownForAllBeams) {
+  HybridMap map = mapOver(squareMap());
+  PosedScan posed = beam({-5.0, 0.05, 0.0}, 9.1);
+  posed.scan.T_stamp_beam.resize(2);
+  const MapOutcome outcome = map.insert(posed);
+  EXPECT_FALSE(outcome.accepted);
+  EXPECT_THAT(outcome.reason, HasSubstr("motion is known for 2 of 1 beams"));
+}
+
 }  // namespace
 }  // namespace hymm::core

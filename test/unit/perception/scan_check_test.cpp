@@ -90,5 +90,29 @@ TEST(InvalidRanges, CountsNegativeRangesOnly) {
   EXPECT_EQ(invalidRanges(scan), 2U);
 }
 
+TEST(SweepProblem, IsNothingForRotatingLasersAndOnesThatTellNothing) {
+  LaserScan scan = goodScan();
+  EXPECT_EQ(sweepProblem(scan, 0.0), std::nullopt);
+  scan.time_increment_s = 0.1 / 720.0;
+  EXPECT_EQ(sweepProblem(scan, 0.0), std::nullopt);
+  EXPECT_EQ(sweepProblem(scan, 0.1), std::nullopt);
+}
+
+TEST(SweepProblem, NamesATimeIncrementThatMakesNoSense) {
+  LaserScan scan = goodScan();
+  scan.time_increment_s = kNan;
+  EXPECT_THAT(sweepProblem(scan, 0.0), Optional(HasSubstr("time_increment is nan")));
+  scan.time_increment_s = -1e-4;
+  EXPECT_THAT(sweepProblem(scan, 0.0), Optional(HasSubstr("time_increment is -0.0001")));
+  scan.time_increment_s = 0.1;
+  EXPECT_THAT(sweepProblem(scan, 0.0), Optional(HasSubstr("take 36.1 s")));
+}
+
+TEST(SweepProblem, NamesAScanThatTakesLongerThanTheTimeToTheNext) {
+  LaserScan scan = goodScan();
+  scan.time_increment_s = 0.2 / 361.0;
+  EXPECT_THAT(sweepProblem(scan, 0.1), Optional(HasSubstr("scan_time says 0.1 s")));
+}
+
 }  // namespace
 }  // namespace hymm::core

@@ -151,6 +151,19 @@ TEST(PosedScan, HeadingErrorShiftsASensorInFrontOfTheVehicle) {
   EXPECT_NEAR(posed.heading_deviation_rad, 0.01, 1e-12);
 }
 
+TEST(PosedScan, KnowsHowItsSensorMovedWhileItWasMeasured) {
+  LaserScan scan;
+  scan.time_increment_s = 0.01;
+  scan.ranges_m.assign(11, 5.0F);
+  PoseEstimate pose;
+  pose.T_map_base = {10.0, 5.0, kPi / 2.0};
+  EXPECT_TRUE(posedScan(scan, pose, 0.0).scan.T_stamp_beam.empty());
+  pose.sweep.pieces = {{0.0, 4.0, 0.0, 0.0}};
+  const PosedScan posed = posedScan(scan, pose, 0.0);
+  ASSERT_EQ(posed.scan.T_stamp_beam.size(), 11U);
+  EXPECT_NEAR(posed.scan.poseAtBeam(10, posed.T_map_laser).y_m, 5.4, 1e-12);
+}
+
 TEST(HymmGridConfig, IsDocumentedByItsShippedFile) {
   test::expectDocumentedByShippedFile("hymm_grid", HymmGridConfig());
 }

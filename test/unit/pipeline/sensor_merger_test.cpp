@@ -143,5 +143,47 @@ TEST(SensorMerger, KeepsMemoryBoundedWithoutMeasurements) {
   EXPECT_EQ(released + merger.popReady().size(), 10001U);
 }
 
+/// 101 beams, a millisecond apart.
+SensorEvent rotatingScan(double time_s) {
+  ScanEvent event;
+  event.scan.time_s = time_s;
+  event.scan.time_increment_s = 0.001;
+  event.scan.ranges_m.assign(101, 5.0F);
+  return event;
+}
+
+std::vector<double> motionMeanwhile(const SensorEvent& event) {
+  std::vector<double> times;
+  for (const MotionInput& input : std::get<ScanEvent>(event).motion_meanwhile) {
+    times.push_back(timeOf(input));
+  }
+  return times;
+}
+
+TEST(SensorMerger, HoldsAScanThatTakesItsTimeUntilMotionPastItsLastBeamHasCome) {
+  SensorMerger merger({});
+  merger.push(motion(1.0));
+  merger.push(rotatingScan(1.02));
+  for (const double t : {1.05, 1.10}) merger.push(motion(t));
+  EXPECT_THAT(signature(merger.popReady()), IsEmpty());
+  merger.push(motion(1.15));
+  const std::vector<SensorEvent> ready = merger.popReady();
+  EXPECT_THAT(signature(ready), ElementsAre(1.0, -1.02));
+  EXPECT_THAT(motionMeanwhile(ready.back()), ElementsAre(1.05, 1.10));
+  merger.push(detections(1.11));
+  EXPECT_THAT(signature(merger.popReady()), ElementsAre(1.05, 1.10, -1.11));
+}
+
+TEST(SensorMerger, TellsAScanWhatMotionCameWhenItHasWaitedLongEnough) {
+  SensorMerger merger({});
+  for (const double t : {1.0, 1.05}) merger.push(motion(t), 10.0);
+  merger.push(rotatingScan(1.02), 10.0);
+  EXPECT_THAT(signature(merger.popReady(10.09)), IsEmpty());
+  const std::vector<SensorEvent> ready = merger.popReady(10.11);
+  EXPECT_THAT(signature(ready), ElementsAre(1.0, -1.02));
+  EXPECT_THAT(motionMeanwhile(ready.back()), ElementsAre(1.05));
+  EXPECT_EQ(merger.counts().without_motion, 1U);
+}
+
 }  // namespace
 }  // namespace hymm::core

@@ -87,7 +87,8 @@ TEST_F(PointClouds, OfATiltedSensorAreRightedByTf) {
       (Eigen::AngleAxisd(-0.3, Eigen::Vector3d::UnitY()) * Eigen::Vector3d(6.0, 0.0, -0.5))
           .cast<float>();
   const auto cloud = cloudOf({point});
-  EventReader reader(mountings(), GpsConverter({0.0, 0.0}), core::PointCloudConfig(), causes_);
+  EventReader reader(mountings(), GpsConverter({0.0, 0.0}), core::PointCloudConfig(), true,
+                     causes_);
   const auto event =
       reader.read(SensorMessage(sensor_msgs::PointCloud2::ConstPtr(cloud)), 0.0).event;
   ASSERT_TRUE(event);

@@ -1,6 +1,7 @@
 #include "ros/event_reader.h"
 
 #include <cmath>
+#include <limits>
 
 #include <boost/make_shared.hpp>
 #include <gmock/gmock.h>
@@ -121,7 +122,8 @@ class EventReaderTest : public SensorPlaces {
   }
 
   CauseLog causes_;
-  EventReader reader_{mountings(), GpsConverter({1.0, 0.0}), core::PointCloudConfig(), causes_};
+  EventReader reader_{mountings(), GpsConverter({1.0, 0.0}), core::PointCloudConfig(), true,
+                      causes_};
 };
 
 TEST_F(EventReaderTest, ScansAndDetectionsComeWithThePlaceOfTheSensor) {
@@ -230,6 +232,37 @@ TEST_F(EventReaderTest, AFixWithoutCovarianceIsTakenWithAnAssumedOneAndTold) {
   EXPECT_EQ(std::get<core::GpsFix>(*event).covariance(1, 1),
             GpsConverter::kAssumedDeviation_m * GpsConverter::kAssumedDeviation_m);
   EXPECT_THAT(causes_.counts(), Contains(Key("GPS fix without covariance")));
+}
+
+/// The scan that a reader makes of the message.
+core::LaserScan scanOf(EventReader& reader, const sensor_msgs::LaserScan::ConstPtr& message) {
+  const EventReader::Answer answer = reader.read(SensorMessage(message), 0.0);
+  return answer.event ? std::get<core::ScanEvent>(answer.event.value()).scan : core::LaserScan();
+}
+
+TEST_F(EventReaderTest, AScanTellsHowLongItTakesFromBeamToBeam) {
+  const auto message = stamped<sensor_msgs::LaserScan>("laser");
+  message->ranges.assign(100, 5.0F);
+  message->time_increment = 0.001F;
+  EXPECT_NEAR(scanOf(reader_, message).sweep_s(), 0.099, 1e-6);
+  EXPECT_TRUE(causes_.counts().empty());
+
+  EventReader unbelieving(mountings(), GpsConverter({0.0, 0.0}), core::PointCloudConfig(), false,
+                          causes_);
+  EXPECT_EQ(scanOf(unbelieving, message).sweep_s(), 0.0);
+  EXPECT_EQ(scanOf(unbelieving, message).ranges_m.size(), 100U);
+}
+
+TEST_F(EventReaderTest, ATimeIncrementThatMakesNoSenseIsIgnoredAndCounted) {
+  for (const float increment : {-0.001F, 1.0F, std::numeric_limits<float>::quiet_NaN()}) {
+    const auto message = stamped<sensor_msgs::LaserScan>("laser");
+    message->ranges.assign(100, 5.0F);
+    message->time_increment = increment;
+    const core::LaserScan scan = scanOf(reader_, message);
+    ASSERT_EQ(scan.ranges_m.size(), 100U) << increment;
+    EXPECT_EQ(scan.time_increment_s, 0.0) << increment;
+  }
+  EXPECT_THAT(causes_.counts(), ElementsAre(Pair("scans with an unusable time_increment", 3U)));
 }
 
 }  // namespace

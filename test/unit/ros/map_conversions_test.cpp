@@ -103,12 +103,17 @@ TEST(FilterConversions, PoseKeepsPlaceAndCovariance) {
   estimate.T_map_base = {10.0, -20.0, 3.0};
   estimate.covariance << 1.0, 0.1, 0.2, 0.1, 2.0, 0.3, 0.2, 0.3, 3.0;
   estimate.map_version = 9;
+  estimate.sweep.pieces = {{0.0, 5.0, 0.1, 0.5}, {0.025, 4.0, 0.0, -0.5}};
   const core::PoseEstimate back = fromMessage(toMessage(estimate, "map"));
   EXPECT_EQ(back.T_map_base.x_m, 10.0);
   EXPECT_EQ(back.T_map_base.y_m, -20.0);
   EXPECT_NEAR(back.T_map_base.yaw_rad, 3.0, 1e-15);
   EXPECT_EQ(back.covariance, estimate.covariance);
   EXPECT_EQ(back.map_version, 9U);
+  ASSERT_EQ(back.sweep.pieces.size(), 2U);
+  EXPECT_EQ(back.sweep.pieces[1].from_s, 0.025);
+  EXPECT_EQ(back.sweep.pieces[1].yaw_rate_radps, -0.5);
+  EXPECT_EQ(back.sweep.poseAfter(0.1).vector(), estimate.sweep.poseAfter(0.1).vector());
 }
 
 TEST(TimeConversions, WhatAStampCannotHoldIsNoStamp) {

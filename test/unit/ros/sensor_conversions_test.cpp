@@ -15,6 +15,7 @@ using testing::SizeIs;
 TEST(SensorConversions, ScanSurvivesTheWayThroughAMessage) {
   core::LaserScan scan;
   scan.time_s = 12.5;
+  scan.time_increment_s = 0.125;
   scan.angle_min_rad = -1.5;
   scan.angle_increment_rad = 0.5;
   scan.range_min_m = 0.25;
@@ -26,6 +27,7 @@ TEST(SensorConversions, ScanSurvivesTheWayThroughAMessage) {
   EXPECT_EQ(message.angle_max, 0.0F);
   const core::LaserScan back = fromMessage(message);
   EXPECT_EQ(back.time_s, 12.5);
+  EXPECT_EQ(back.time_increment_s, 0.125);
   EXPECT_EQ(back.angle_min_rad, -1.5);
   EXPECT_EQ(back.angle_increment_rad, 0.5);
   EXPECT_EQ(back.range_min_m, 0.25);

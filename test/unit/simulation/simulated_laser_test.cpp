@@ -46,7 +46,10 @@ SimulatedScan scanOf(const SimulatedLaserConfig& config, const std::vector<Solid
                      const std::vector<Solid>& moving = {}, const Pose2& T_map_laser = {}) {
   const RayCaster caster(standing);
   SimulatedLaser laser(config, RandomGenerator(42));
-  return laser.scan(Scene(standing, caster, moving), discsOf(standing), T_map_laser, 3.0);
+  const auto view = [&](double) {
+    return LaserView{Scene(standing, caster, moving), discsOf(standing), T_map_laser};
+  };
+  return laser.scan(view, 3.0);
 }
 
 TEST(SimulatedLaser, SeesWhatIsOnTheLeftAtPositiveBearing) {
@@ -206,6 +209,33 @@ TEST(SimulatedLaser, MixesRangesAtEdgesIfAskedTo) {
   }
   EXPECT_GE(mixed, 1);
   EXPECT_LE(mixed, 2);  // one at each side of the post
+}
+
+TEST(SimulatedLaser, CastsEachBeamAtItsTimeIfItRotates) {
+  // Through a round place at 5 m/s: each beam ends on its wall from where the laser is by then, to
+  // the half millimetre that beams of one group are apart.
+  SimulatedLaserConfig config = perfect();
+  config.rotating = true;
+  config.rate_hz = 10.0;
+  const std::vector<Solid> world = {ring(50.0)};
+  const RayCaster caster(world);
+  SimulatedLaser laser(config, RandomGenerator(42));
+  EXPECT_NEAR(laser.sweep_s(), 0.05, 1e-12);  // half a turn
+  const auto view = [&](double time_s) {
+    const Pose2 T_map_laser{5.0 * (time_s - 3.0), 0.0, 0.0};
+    return LaserView{Scene(world, caster, {}), {}, T_map_laser};
+  };
+  const LaserScan scan = laser.scan(view, 3.0).scan;
+  EXPECT_NEAR(scan.time_increment_s, 0.05 / 360.0, 1e-12);
+  EXPECT_EQ(scan.time_s, 3.0);
+  for (const std::size_t i : {0U, 90U, 180U, 300U, 360U}) {
+    SCOPED_TRACE(i);
+    const double moved_m = 5.0 * static_cast<double>(i) * scan.time_increment_s;
+    const double range_m = static_cast<double>(scan.ranges_m[i]);
+    const Eigen::Vector2d end(moved_m + range_m * std::cos(scan.bearing(i)),
+                              range_m * std::sin(scan.bearing(i)));
+    EXPECT_NEAR(end.norm(), 50.0, 1e-3);
+  }
 }
 
 }  // namespace

@@ -484,5 +484,30 @@ TEST(Simulation, CarriesTheCarWithItsSensorsCoveredAndItsWheelsAtRest) {
   EXPECT_EQ(carried.back().T_map_base.vector(), driven.back().T_map_base.vector());
 }
 
+TEST(Simulation, ARotatingLasersScanComesWhenItIsCompleteWithTheStampOfItsFirstBeam) {
+  SimulationConfig config = shortDrive("park", 5.0);
+  config.laser.rotating = true;
+  config.laser.rate_hz = 10.0;
+  double last_s = 0.0;
+  std::size_t scans = 0;
+  for (const SimulatedEvent& simulated : all(config)) {
+    const auto* scan = std::get_if<ScanEvent>(&simulated.event);
+    if (scan != nullptr) {
+      ++scans;
+      EXPECT_NEAR(scan->scan.sweep_s(), 0.05, 1e-9);  // half a turn
+      EXPECT_GE(endOf(simulated.event), last_s - 1e-9);
+    }
+    last_s = endOf(simulated.event);
+  }
+  EXPECT_GE(scans, 45U);
+}
+
+TEST(Simulation, ALaserThatRotatesTooSlowlyToBeBelievedIsRefused) {
+  SimulationConfig config;
+  config.laser.rotating = true;
+  config.laser.rate_hz = 0.5;
+  EXPECT_THROW(Simulation(config, simulatedCar(), 1), ConfigError);
+}
+
 }  // namespace
 }  // namespace hymm::core
