@@ -145,7 +145,8 @@ std::vector<DuplicateSearch::Candidate> DuplicateSearch::candidatesOf(
   for (const int slot : registry.slotsNear(
            recent.position, gate * (recent.deviation_m + registry.largestDeviation()))) {
     const RegisteredLandmark& older = registry.bySlot(slot);
-    const double reach_m = gate * (recent.deviation_m + older.deviation_m);
+    double reach_m = gate * (recent.deviation_m + older.deviation_m);
+    if (reach.widened > 1.0) reach_m = std::min(reach_m, landmarks_.constellation_radius_m);
     // What was still seen when the recent one came into the map is another object.
     if (slot == recent.slot || older.last_seen_s >= recent.first_seen_s) continue;
     if (older.last_seen_s >= reach.before_s) continue;

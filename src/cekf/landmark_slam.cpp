@@ -21,6 +21,10 @@ bool isUsable(const Observation& observation) {
 // Beyond the reach of a sensor and of a large correction, a landmark's place may lag behind.
 constexpr double kRefreshRadius_m = 100.0;
 
+// Deviation of a slip beyond which a scan alone hardly tells where the vehicle went, among the many
+// landmarks that it might see; constellations do.
+constexpr double kFarthestSlip_m = 10.0;
+
 /// Any diameter that a trunk may have is as likely as any other.
 DiameterPrior diameterPrior(const TrunkConfig& trunks) {
   return {0.5 * (trunks.min_diameter_m + trunks.max_diameter_m),
@@ -205,6 +209,7 @@ ScanAssociation LandmarkSlam::associate(const ObservationSet& set) {
   if (!(config_.slip.probability > 0.0)) return association;
   const double worse = config_.slip.factor * config_.slip.factor - 1.0;
   const VehicleMatrix more = worse * estimate_.vehicle.motionNoise();
+  if (more.topLeftCorner<2, 2>().trace() > kFarthestSlip_m * kFarthestSlip_m) return association;
   ScanAssociation slipped = associator_.associate(set, sensor, registry, filter, &more);
   const double gained = slipped.log_odds - association.log_odds;
   if (!isExplained(slipped) || gained < -std::log(config_.slip.probability)) return association;
