@@ -38,7 +38,7 @@ MatrixXd differenceCovariance(const std::vector<DuplicateLandmarks>& pairs,
     for (Eigen::Index j = 0; j <= i; ++j) {
       S.block<2, 2>(2 * i, 2 * j) = differenceCovariance(
           pairs[static_cast<std::size_t>(i)], pairs[static_cast<std::size_t>(j)], filter);
-      S.block<2, 2>(2 * j, 2 * i) = S.block<2, 2>(2 * i, 2 * j).transpose();
+      if (j < i) S.block<2, 2>(2 * j, 2 * i) = S.block<2, 2>(2 * i, 2 * j).transpose();
     }
   }
   return S;

@@ -15,7 +15,10 @@ Eigen::AlignedBox2d grown(const Eigen::AlignedBox2d& box, double by_m) {
   return {box.min() - Eigen::Vector2d::Constant(by_m), box.max() + Eigen::Vector2d::Constant(by_m)};
 }
 
-std::int64_t bucketKey(std::int64_t x, std::int64_t y) { return (x << 32) ^ (y & 0xffffffff); }
+std::int64_t bucketKey(std::int64_t x, std::int64_t y) {
+  const auto high = static_cast<std::uint64_t>(x) << 32;
+  return static_cast<std::int64_t>(high ^ (static_cast<std::uint64_t>(y) & 0xffffffff));
+}
 
 std::int64_t bucketIndex(double coordinate_m) {
   return static_cast<std::int64_t>(std::floor(coordinate_m / kBucket_m));
