@@ -21,7 +21,7 @@ using Eigen::Vector2d;
 // Bounds the work where the vehicle is very uncertain among many landmarks.
 constexpr std::size_t kMaxCandidates = 5;
 
-constexpr double kNow_s = std::numeric_limits<double>::infinity();
+constexpr double kAnyTime_s = std::numeric_limits<double>::infinity();
 
 Matrix2d differenceCovariance(const DuplicateLandmarks& a, const DuplicateLandmarks& b,
                               const CompressedEkf& filter) {
@@ -78,7 +78,7 @@ DuplicatesFound DuplicateSearch::find(double time_s, const Vector2d& vehicle,
                                       const LandmarkRegistry& registry,
                                       CompressedEkf& filter) const {
   std::vector<int> recent;
-  double known_since_s = kNow_s;
+  double known_since_s = kAnyTime_s;
   for (const int slot : registry.slotsNear(vehicle, landmarks_.constellation_radius_m)) {
     const RegisteredLandmark& landmark = registry.bySlot(slot);
     if (landmark.identity >= 0) continue;
@@ -86,7 +86,7 @@ DuplicatesFound DuplicateSearch::find(double time_s, const Vector2d& vehicle,
     recent.push_back(slot);
     known_since_s = std::min(known_since_s, landmark.first_seen_s);
   }
-  const Candidates fitting = candidates(recent, {1.0, kNow_s}, are_distinct, registry, filter);
+  const Candidates fitting = candidates(recent, {1.0, kAnyTime_s}, are_distinct, registry, filter);
   const MatrixXd S = differenceCovariance(pairsOf(fitting), filter);
   DuplicatesFound found{choose(fitting, S, least_log_odds_), std::nullopt};
   if (!found.pairs.empty() || !(slip_.probability > 0.0)) return found;

@@ -209,8 +209,7 @@ void VehicleState::predict(CompressedEkf& filter, double age_s, double duration_
   const Eigen::Vector3d times_s = model_.correlationTimes();
   const std::array<int, 3> errors{kErrorIndex, kErrorIndex + 1, turn_relative_index_};
   VehicleMatrix Q = VehicleMatrix::Zero(size_, size_);
-  const double doubt = time_s_ < doubted_.until_s ? doubted_.factor * doubted_.factor : 1.0;
-  Q.topLeftCorner<3, 3>() = doubt * step.white_noise;
+  Q.topLeftCorner<3, 3>() = step.white_noise;
   for (int k = 0; k < 3; ++k) {
     const int index = errors[static_cast<std::size_t>(k)];
     if (index < 0) continue;
@@ -218,7 +217,7 @@ void VehicleState::predict(CompressedEkf& filter, double age_s, double duration_
     state[index] *= kept;
     J.block<3, 1>(0, index) = step.J_error.col(k);
     J(index, index) = kept;
-    Q(index, index) = doubt * (1.0 - kept * kept);
+    Q(index, index) = 1.0 - kept * kept;
   }
   filter.predict(state, J, Q);
   const VehicleMatrix moved = timesMotionTransposed(motion_noise_, J);

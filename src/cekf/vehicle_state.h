@@ -64,9 +64,6 @@ class VehicleState {
   /// Moves the filter to `time_s` with the input in force, as standing still before the first.
   void moveTo(CompressedEkf& filter, double time_s);
 
-  /// Takes the deviations of the motion's noise `factor` times until then.
-  void doubtMotion(double until_s, double factor) { doubted_ = {until_s, factor}; }
-
   /// The position that the covariance belongs to where Jacobians are taken at first estimates:
   /// where the last motion has put the vehicle, whatever was measured since. See relinearise().
   const Eigen::Vector2d& linearisedAt() const { return linearised_at_; }
@@ -108,13 +105,7 @@ class VehicleState {
     double valueIn(const VehicleVector& state) const { return index >= 0 ? state[index] : 0.0; }
   };
 
-  struct DoubtedMotion {
-    double until_s = -std::numeric_limits<double>::infinity();
-    double factor = 1.0;
-  };
-
   MotionModel model_;
-  DoubtedMotion doubted_;
   double hold_limit_s_;
   std::array<int, 3> calibration_index_{-1, -1, -1};
   std::array<double, 3> calibration_deviation_{0.0, 0.0, 0.0};

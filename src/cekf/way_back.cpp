@@ -55,7 +55,6 @@ std::optional<ScanOutcome> WayBack::process(const SensorEvent& event) {
 void WayBack::reset() {
   waiting_.reset();
   ring_.clear();
-  motion_doubt_ = {};
 }
 
 std::optional<ScanOutcome> WayBack::apply(const SensorEvent& event) {
@@ -187,11 +186,8 @@ Resumption WayBack::goBackAndOn(double time_T0_s, Go go) {
   const LocalStateRing::Memory now = slam_.remembered();
   const std::uint64_t version = slam_.version();
   const CekfSlam::Counts counts = slam_.eventCounts();
-  const double now_s = waiting_ ? waiting_->last_scan_s : slam_.lastScan_s();
-  const MotionDoubt doubt = motion_doubt_.afterReturn(time_T0_s, now_s);
   std::optional<Waiting> waiting = std::move(waiting_);
   goAlong(*way);
-  slam_.vehicle().doubtMotion(doubt.until_s, MotionDoubt::kFactor);
   replaying_ = true;
   Resumption result = go(way->since);
   replaying_ = false;
@@ -204,7 +200,6 @@ Resumption WayBack::goBackAndOn(double time_T0_s, Go go) {
     return refuse(result.refusal, result.reason);
   }
   ++slam_.eventCounts().resumed;
-  motion_doubt_ = doubt;
   slam_.setVersion(slam_.version() + 1);
   ring_.clear();
   if (ring_.isKept()) ring_.remember(slam_.remembered());

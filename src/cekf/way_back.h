@@ -7,7 +7,6 @@
 #include "cekf/cekf_slam.h"
 #include "cekf/landmark_slam.h"
 #include "cekf/local_state_ring.h"
-#include "cekf/motion_doubt.h"
 #include "cekf/path_closing.h"
 #include "cekf/resumption.h"
 
@@ -67,7 +66,6 @@ class WayBack {
   PathClosing closing_;
   LocalStateRing ring_;
   std::optional<Waiting> waiting_;  ///< while suspended
-  MotionDoubt motion_doubt_;
   bool replaying_ = false;
 };
 

@@ -295,30 +295,6 @@ TEST(Resumption, WithoutClosingGoesOnByDeadReckoning) {
   EXPECT_GT(slam.counts().associated, 0U);
 }
 
-/// Of the vehicle after dead reckoning for three seconds from 82 s, having been lost at these times
-/// before.
-double varianceAfterLosses(const std::vector<double>& earlier_s) {
-  const Recording recording = record(200);
-  CekfSlam slam = newSlam();
-  double now_s = -1.0;
-  for (const double T0_s : earlier_s) {
-    feed(slam, recording, now_s, T0_s + 1.0);
-    now_s = T0_s + 1.0;
-    EXPECT_TRUE(slam.resumeWithoutClosing(T0_s).accepted());
-  }
-  feed(slam, recording, now_s, 85.0);
-  EXPECT_TRUE(slam.suspend(82.0));
-  const double before = jointOf(slam).covariance.topLeftCorner(2, 2).trace();
-  EXPECT_TRUE(slam.resumeWithoutClosing(82.0).accepted());
-  return jointOf(slam).covariance.topLeftCorner(2, 2).trace() - before;
-}
-
-TEST(Resumption, DoubtsTheMotionOfAFilterThatIsLostAgainSoon) {
-  const double never = varianceAfterLosses({}), long_ago = varianceAfterLosses({10.0});
-  EXPECT_GT(varianceAfterLosses({76.0}), 2.0 * never);
-  EXPECT_LT(long_ago, 2.0 * never);
-}
-
 TEST(Resumption, KeepsTheScansUpToWhereItWaits) {
   const Recording recording = record(180);
   CekfSlam slam = newSlam();

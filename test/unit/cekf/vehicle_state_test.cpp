@@ -145,31 +145,6 @@ TEST(VehicleState, KeepsTheHeadingOfTheMapUnknownAtFirstEstimatesOnly) {
   EXPECT_GT(inventedKnowledge(false), 0.1);
 }
 
-/// Of the pose after a drive of ten seconds, with the motion's deviations taken `factor` times in
-/// the first `doubted_s` of them.
-Eigen::Matrix3d covarianceAfterDrive(double factor, double doubted_s) {
-  VehicleState vehicle(VehicleConfig(), false, false);
-  CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance());
-  vehicle.doubtMotion(doubted_s, factor);
-  for (double time_s = 0.0; time_s <= 10.0; time_s += 0.5) {
-    vehicle.takeInput(filter, AckermannInput{time_s, 3.0, 0.1});
-  }
-  return filter.vehicleCovariance().topLeftCorner<3, 3>();
-}
-
-TEST(VehicleState, TakesTheMotionsDeviationsAsOftenAsItIsDoubted) {
-  const Eigen::Matrix3d without = covarianceAfterDrive(0.0, 20.0);
-  const Eigen::Matrix3d once = covarianceAfterDrive(1.0, 20.0) - without;
-  const Eigen::Matrix3d thrice = covarianceAfterDrive(3.0, 20.0) - without;
-  EXPECT_GT(once.diagonal().minCoeff(), 0.0);
-  EXPECT_LT((thrice - 9.0 * once).norm(), 1e-9 * thrice.norm());
-}
-
-TEST(VehicleState, BelievesTheMotionAgainWhenTheDoubtIsOver) {
-  EXPECT_EQ(covarianceAfterDrive(3.0, -1.0), covarianceAfterDrive(1.0, 20.0));
-  EXPECT_LT(covarianceAfterDrive(3.0, 5.0).trace(), covarianceAfterDrive(3.0, 20.0).trace());
-}
-
 TEST(VehicleState, GoesOnByTheInputInForceAndThenByThoseThatFollow) {
   VehicleState vehicle(VehicleConfig{}, true, false);
   CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance());
