@@ -260,6 +260,7 @@ void RelocaliserNode::processScan(const core::ObservationSet& set) {
 void RelocaliserNode::obey(const Command& command) {
   if (const auto* wish = std::get_if<core::SearchWish>(&command)) {
     relocalisation_.wish(*wish);
+    wishes_.add(ros::WallTime::now());
     publish(relocalisation_.report());  // tells of the wish
   } else {
     obey(std::get<FilterStatus>(command));
@@ -296,7 +297,7 @@ void RelocaliserNode::publish(const core::SearchReport& report) {
     health.begun_at = toRosTime(relocalisation_.search().begun_s());
     health.rivals = engine->counts().rivals;
   }
-  health.wish = relocalisation_.wishes();
+  health.wish = wishes_.last();
   health.searches = relocalisation_.searches();
   health.latency_ms = 1e3 * worked_s_;
   {

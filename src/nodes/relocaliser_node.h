@@ -30,6 +30,7 @@
 #include "ros/filter_service_link.h"
 #include "ros/odometry_reader.h"
 #include "ros/traffic_meter.h"
+#include "ros/wish_numbers.h"
 #include "vehicle/vehicle_config.h"
 
 namespace hymm {
@@ -92,6 +93,7 @@ class RelocaliserNode {
   std::optional<std::uint64_t> resets_;  ///< of the filter
   std::uint64_t map_version_ = 0;
   std::uint64_t last_order_ = 0;
+  WishNumbers wishes_;
   double worked_s_ = 0.0;  ///< by the wall, since the last report
 
   std::mutex health_mutex_;  ///< over health_

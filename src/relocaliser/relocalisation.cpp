@@ -61,11 +61,6 @@ void Relocalisation::tellScan() {
   }
 }
 
-void Relocalisation::wish(const SearchWish& wish) {
-  wish_ = wish;
-  ++wishes_;
-}
-
 void Relocalisation::begin(const SearchOrder& order) {
   stop();
   const bool is_retry = order_.number > 0 && order.from_s == order_.from_s;

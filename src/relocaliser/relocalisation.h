@@ -65,9 +65,7 @@ class Relocalisation {
   bool work();
 
   /// The next order is to look there.
-  void wish(const SearchWish& wish);
-  /// Wishes since construction.
-  std::uint64_t wishes() const { return wishes_; }
+  void wish(const SearchWish& wish) { wish_ = wish; }
 
   /// Looks around the filter's estimate, or where was wished; anywhere if a search from the same
   /// scan came to nothing.
@@ -102,7 +100,6 @@ class Relocalisation {
   PlaceSearch search_;
   std::deque<PoseEstimate> poses_;  ///< of the filter, the last history_s
   std::optional<SearchWish> wish_;  ///< for the next order
-  std::uint64_t wishes_ = 0;
   std::uint64_t searches_ = 0;
   SearchOrder order_;
   bool is_elsewhere_ = false;  ///< an operator asked: the filter's pose is not to be believed

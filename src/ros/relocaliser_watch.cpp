@@ -15,7 +15,7 @@ constexpr std::size_t kMostPoses = 1000;
 }  // namespace
 
 RelocaliserWatch::RelocaliserWatch(ros::NodeHandle handle, std::function<void()> heard)
-    : heard_(std::move(heard)) {
+    : heard_(std::move(heard)), wishes_(ros::WallTime::now()) {
   const auto hints = ros::TransportHints().tcpNoDelay();
   pose_subscriber_ =
       handle.subscribe("relocaliser/pose", kQueue, &RelocaliserWatch::takePose, this, hints);
@@ -24,8 +24,7 @@ RelocaliserWatch::RelocaliserWatch(ros::NodeHandle handle, std::function<void()>
 }
 
 void RelocaliserWatch::takeHealth(const RelocaliserHealth& message) {
-  // The first that is heard tells how many wishes there were before.
-  is_wished_ = is_wished_ || (health_ && message.wish > health_->wish);
+  wishes_.take(message.wish);
   health_ = message;
   heard_wall_s_ = steadyNow();
   heard_();
@@ -61,7 +60,5 @@ std::optional<geometry_msgs::PoseWithCovariance> RelocaliserWatch::poseAt(
   if (found == poses_.rend()) return std::nullopt;
   return found->pose;
 }
-
-bool RelocaliserWatch::takeWish() { return std::exchange(is_wished_, false); }
 
 }  // namespace hymm

@@ -9,6 +9,7 @@
 #include <hymm/RelocaliserHealth.h>
 #include <ros/node_handle.h>
 
+#include "ros/wish_numbers.h"
 #include "supervisor/supervisor_decision.h"
 
 namespace hymm {
@@ -28,7 +29,7 @@ class RelocaliserWatch {
   /// Its pose of that scan, where it told one.
   std::optional<geometry_msgs::PoseWithCovariance> poseAt(const ros::Time& stamp) const;
   /// Whether an operator asked for a search since the last call.
-  bool takeWish();
+  bool takeWish() { return wishes_.takeNew(); }
 
  private:
   void takeHealth(const RelocaliserHealth& message);
@@ -38,7 +39,7 @@ class RelocaliserWatch {
   std::optional<RelocaliserHealth> health_;
   double heard_wall_s_ = 0.0;
   std::deque<geometry_msgs::PoseWithCovarianceStamped> poses_;  ///< the last
-  bool is_wished_ = false;
+  WishListener wishes_;
   ros::Subscriber health_subscriber_, pose_subscriber_;
 };
 
