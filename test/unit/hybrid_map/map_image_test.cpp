@@ -8,31 +8,15 @@
 
 #include "common/error.h"
 #include "hybrid_map/log_odds.h"
-#include "landmark_maps.h"
 #include "random_history.h"
+#include "small_maps.h"
 
 namespace hymm::core {
 namespace {
 
-/// A square of 20 m around the origin in two LTRs.
-LandmarkMap squareMap() {
-  return mapOf({{-10.0, -10.0}, {10.0, -10.0}, {10.0, 10.0}, {-10.5, 10.0}});
-}
-
-HybridMap mapOver(const LandmarkMap& landmarks) {
-  HybridMap map(HybridMapConfig{});
-  EXPECT_TRUE(map.apply(landmarks).accepted);
-  return map;
-}
-
 /// A scan of one beam, seen often enough that what it meets is certain.
 void insertBeam(HybridMap& map, const Pose2& T_map_laser, double range_m) {
-  PosedScan posed;
-  posed.T_map_laser = T_map_laser;
-  posed.map_version = map.landmarkVersion();
-  posed.scan.angle_increment_rad = 0.01;
-  posed.scan.range_max_m = 80.0;
-  posed.scan.ranges_m = {static_cast<float>(range_m)};
+  const PosedScan posed = beam(T_map_laser, range_m, map.landmarkVersion());
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(map.insert(posed).accepted);
 }
 

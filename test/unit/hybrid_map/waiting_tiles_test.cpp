@@ -1,0 +1,164 @@
+#include "hybrid_map/waiting_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <set>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "small_maps.h"
+
+namespace hymm::core {
+namespace {
+
+using Status = LayerQuery::Status;
+
+TEST(HybridMap, KeepsWhatLiesOutsideUntilAnLtrCoversIt) {
+  LandmarkMap all = squareMap();
+  LandmarkMap three = all;
+  three.landmarks.resize(3);
+  correlate(three);
+  HybridMap map = mapOver(three);
+  const Eigen::Vector2d place(-6.0, 6.0);
+  ASSERT_EQ(map.query("salinity", place).status, Status::kOutside);
+  map.insert(salinity(place, 20.0));
+  EXPECT_EQ(map.evidenceInLtrs(1), 0.0);
+  EXPECT_EQ(map.evidenceWaiting(1), 1.0);
+  all.version = 2;
+  ASSERT_EQ(map.apply(all).change.created.size(), 1U);
+  EXPECT_NEAR(map.evidenceInLtrs(1), 1.0, 1e-6);
+  EXPECT_NEAR(map.evidenceWaiting(1), 0.0, 1e-6);
+  const LayerQuery answer = map.query("salinity", place);
+  ASSERT_EQ(answer.status, Status::kKnown);
+  EXPECT_NEAR(answer.value->value, 20.0, 1e-5);
+}
+
+TEST(HybridMap, APostInFreeSpaceStaysOccupiedWhereverItFallsInTheCellsItMovesTo) {
+  LandmarkMap all = squareMap();
+  all.version = 2;
+  LandmarkMap three = squareMap();
+  three.landmarks.resize(3);
+  correlate(three);
+  for (double along = 0.0; along < 0.4; along += 0.03) {
+    const Eigen::Vector2d post(-6.0 + along, 6.0 + 0.7 * along);
+    HybridMap map = mapOver(three);
+    for (int scan = 0; scan < 20; ++scan) {
+      for (double y = -1.0; y <= 1.0; y += 0.1) {
+        const bool meets = std::abs(y) < 0.02;
+        map.insert(beam({post.x() - 2.0, post.y() + y, 0.0}, meets ? 2.0 : 3.5));
+      }
+    }
+    ASSERT_EQ(map.apply(all).change.created.size(), 1U);
+    double most = 0.0;
+    for (double x = -0.15; x <= 0.15; x += 0.05) {
+      for (double y = -0.15; y <= 0.15; y += 0.05) {
+        most = std::max(most, probabilityAt(map, post + Eigen::Vector2d(x, y)));
+      }
+    }
+    EXPECT_GT(most, 0.65) << along;
+    EXPECT_LT(probabilityAt(map, post + Eigen::Vector2d(-0.5, 0.0)), 0.35) << along;
+  }
+}
+
+TEST(HybridMap, WhatWaitsFollowsTheTwoLandmarksThatItIsAnchoredTo) {
+  LandmarkMap two = mapOf({{0.0, 0.0}, {8.0, 0.0}});
+  HybridMap map = mapOver(two);
+  map.insert(salinity({4.0, 5.0}, 20.0));
+  const Pose2 correction{-7.0, 11.0, 2.0};
+  LandmarkMap three = mapOf({{0.0, 0.0}, {8.0, 0.0}, {4.0, 9.0}});
+  for (auto& landmark : three.landmarks) landmark.position = correction * landmark.position;
+  three.version = 2;
+  ASSERT_EQ(map.apply(three).change.created.size(), 1U);
+  const LayerQuery answer = map.query("salinity", correction * Eigen::Vector2d(4.0, 5.0));
+  ASSERT_EQ(answer.status, Status::kKnown);
+  EXPECT_NEAR(answer.value->value, 20.0, 1e-5);
+}
+
+/// A map without LTRs over two pairs of landmarks, 40 m apart.
+struct TwoSheets {
+  TwoSheets() : map(withoutLtrs()) { map.apply(landmarks); }
+
+  static HybridMapConfig withoutLtrs() {
+    HybridMapConfig config = withLayers();
+    config.partition.min_observations = 1000;
+    return config;
+  }
+  void tellAgain() {
+    ++landmarks.version;
+    ASSERT_TRUE(map.apply(landmarks).accepted);
+  }
+  /// From between the landmarks of one pair, a beam towards the other.
+  void lookRight() { map.insert(beam({6.0, 5.0, 0.0}, 22.0, landmarks.version)); }
+  void lookLeft() { map.insert(beam({46.0, 5.0, M_PI}, 22.0, landmarks.version)); }
+
+  /// Sheets that know the occupancy of a place.
+  int sheetsAt(const Eigen::Vector2d& place) const {
+    int count = 0;
+    map.waiting().visitTiles(LayerSet::kOccupancy, [&](const WaitingTile& tile) {
+      const Eigen::Array2i cell =
+          ((inverse(tile.T_map_cells) * place) / tile.resolution_m).array().floor().cast<int>();
+      if ((cell < 0).any() || (cell >= WaitingTile::kCells).any()) return;
+      const int index = cell.y() * WaitingTile::kCells + cell.x();
+      if (*tile.cells->read(map.layers(), LayerSet::kOccupancy, index) != 0.0F) ++count;
+    });
+    return count;
+  }
+
+  LandmarkMap landmarks = mapOf({{0.0, 0.0}, {12.0, 0.0}, {40.0, 0.0}, {52.0, 0.0}});
+  HybridMap map;
+};
+
+TEST(HybridMap, WhatTwoSheetsSawOfOnePlaceComesTogether) {
+  TwoSheets two;
+  two.lookRight();
+  two.lookLeft();
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  // Both saw from x = 24 m to x = 28 m; halfway lies x = 26 m.
+  ASSERT_EQ(two.sheetsAt({24.9, 5.0}), 2);
+  ASSERT_EQ(two.sheetsAt({27.1, 5.0}), 2);
+  const double before = two.map.evidenceWaiting(0);
+  two.tellAgain();
+  EXPECT_EQ(two.sheetsAt({24.9, 5.0}), 1);
+  EXPECT_EQ(two.sheetsAt({27.1, 5.0}), 1);
+  EXPECT_EQ(two.sheetsAt({26.0, 5.0}), 2);  // the seam
+  EXPECT_NEAR(two.map.evidenceWaiting(0), before, 1e-4);
+}
+
+TEST(HybridMap, SheetsThatAreNotCertainOfEachOtherStayApart) {
+  TwoSheets two;
+  two.landmarks.cross_covariances.pop_back();  // of 40 m and 52 m
+  for (auto& pair : two.landmarks.cross_covariances) pair.block *= 0.0;
+  for (auto& landmark : two.landmarks.landmarks) landmark.covariance *= 4.0;
+  two.lookRight();
+  two.lookLeft();
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  two.tellAgain();
+  EXPECT_EQ(two.sheetsAt({24.9, 5.0}), 2);
+}
+
+TEST(HybridMap, ASheetIsWrittenOnWhereverItIsNear) {
+  HybridMap map(TwoSheets::withoutLtrs());
+  map.apply(mapOf({{0.0, 0.0}, {12.0, 0.0}, {6.0, 12.0}, {18.0, 12.0}}));
+  // On the way back other landmarks are nearer than those by which the way there was kept.
+  for (const double y : {-4.0, 15.0}) map.insert(beam({9.0, y, 0.0}, 5.0));
+  std::set<std::uint64_t> sheets;
+  map.waiting().visitTiles(LayerSet::kOccupancy,
+                           [&](const WaitingTile& tile) { sheets.insert(tile.sheet); });
+  EXPECT_EQ(sheets.size(), 1U);
+}
+
+TEST(HybridMap, DropsTheOldestThatWaitsWhenMemoryIsShortAndCountsIt) {
+  HybridMapConfig config = withLayers();
+  config.waiting.max_memory_mb = 0.02;  // one tile of salinity
+  HybridMap map(config);
+  map.insert(salinity({0.0, 0.0}, 1.0));
+  map.insert(salinity({50.0, 0.0}, 1.0));
+  EXPECT_EQ(map.counts().dropped_waiting_tiles, 1U);
+  EXPECT_EQ(map.evidenceWaiting(1), 1.0);
+  EXPECT_LE(map.waitingMemory().bytes(), 20000U);
+}
+
+}  // namespace
+}  // namespace hymm::core
