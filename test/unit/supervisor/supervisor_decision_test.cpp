@@ -1,11 +1,8 @@
 #include "supervisor/supervisor_decision.h"
 
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include <gmock/gmock.h>
 
+#include "scan_evidence.h"
 #include "support/shipped_config.h"
 
 namespace hymm::core {
@@ -16,63 +13,6 @@ using ::testing::Contains;
 using ::testing::EndsWith;
 using ::testing::Field;
 using ::testing::HasSubstr;
-
-constexpr double kNow_s = 100.0;
-constexpr double kPeriod_s = 0.2;  // of scans
-
-/// Suspicious scans that last so long, one after the other.
-int scansOver(double duration_s, double period_s = kPeriod_s) {
-  return static_cast<int>(std::lround(duration_s / period_s));
-}
-
-SupervisorState stateIn(FilterMode mode, int attempts = 0) {
-  SupervisorState state;
-  state.mode = mode;
-  state.since_s = kNow_s - 1.0;
-  state.attempts = attempts;
-  state.good_order_s = kNow_s - kPeriod_s;
-  return state;
-}
-
-/// A scan that the CEKF explains well.
-SupervisorEvidence healthy() {
-  SupervisorEvidence evidence;
-  evidence.time_s = kNow_s;
-  evidence.pose_age_s = 0.0;
-  evidence.new_scan = true;
-  evidence.scan.nis = 10.0;
-  evidence.scan.dof = 10;
-  return evidence;
-}
-
-SupervisorConfig automatic() { return {}; }
-
-SupervisorEvidence ambiguous() {
-  SupervisorEvidence evidence = healthy();
-  evidence.scan.ambiguity = 0.9;
-  evidence.scan.old_landmarks_expected = 3;
-  return evidence;
-}
-
-using Search = RelocaliserEvidence::State;
-
-SupervisorEvidence withRelocaliser(SupervisorEvidence evidence, Search state = Search::kSearching) {
-  evidence.relocaliser = RelocaliserEvidence{0.1, state, "there is more than one mode"};
-  return evidence;
-}
-
-/// The state after `scans` scans of the same kind.
-SupervisorDecision afterScans(SupervisorState state, SupervisorEvidence evidence, int scans,
-                              const SupervisorConfig& config = automatic(),
-                              double period_s = kPeriod_s) {
-  SupervisorDecision decision;
-  decision.state = state;
-  for (int i = 0; i < scans; ++i) {
-    decision = computeDecision(decision.state, evidence, config);
-    evidence.time_s += period_s;
-  }
-  return decision;
-}
 
 TEST(SupervisorDecision, InitialisesUntilTheFilterGivesAPose) {
   const SupervisorDecision decision = computeDecision({}, {}, {});
@@ -138,205 +78,6 @@ TEST(SupervisorDecision, BeginningIsNoSwitch) {
   EXPECT_TRUE(isModeSwitch(FilterMode::kCekf, FilterMode::kRelocalising));
 }
 
-TEST(Suspicion, FallsOnEachKindOfFailureAlone) {
-  const SuspicionConfig config;
-  EXPECT_EQ(findSuspicion(healthy().scan, config), "");
-  ScanEvidence among_old = healthy().scan;
-  among_old.old_landmarks_expected = 3;
-  ScanEvidence scan = among_old;
-  scan.ambiguity = 0.6;
-  EXPECT_THAT(findSuspicion(scan, config), HasSubstr("ambiguous"));
-  scan = healthy().scan;
-  scan.nis = 60.0;
-  EXPECT_THAT(findSuspicion(scan, config), HasSubstr("do not fit"));
-  scan = among_old;
-  scan.disagreement = 0.6;
-  EXPECT_THAT(findSuspicion(scan, config), HasSubstr("grid"));
-  scan = among_old;
-  scan.unseen = 1.0;
-  EXPECT_THAT(findSuspicion(scan, config), HasSubstr("old landmarks"));
-}
-
-TEST(Suspicion, DoesNotFallOnExploring) {
-  ScanEvidence scan = healthy().scan;
-  scan.unexplained = scan.ambiguity = scan.disagreement = scan.unseen = 1.0;
-  scan.old_landmarks_expected = 2;
-  EXPECT_EQ(findSuspicion(scan, {}), "");
-  scan.ambiguity = scan.disagreement = scan.unseen = 0.0;
-  scan.old_landmarks_expected = 3;
-  EXPECT_THAT(findSuspicion(scan, {}), HasSubstr("old landmarks"));
-}
-
-TEST(SupervisorDecision, OnlyTellsOfSuspicionUnlessItMaySwitch) {
-  SupervisorConfig config;
-  config.switching.automatic = false;
-  const SupervisorDecision decision =
-      afterScans(stateIn(FilterMode::kCekf), withRelocaliser(ambiguous()), 50, config);
-  EXPECT_EQ(decision.mode, FilterMode::kCekf);
-  EXPECT_THAT(decision.reason, AllOf(HasSubstr("ambiguous"), HasSubstr("by order only")));
-}
-
-TEST(SupervisorDecision, OnlyTellsOfSuspicionByDetectionsUnlessItMaySwitch) {
-  SupervisorEvidence evidence = withRelocaliser(ambiguous());
-  evidence.of_detections = true;
-  SupervisorConfig config;
-  const SupervisorDecision told = afterScans(stateIn(FilterMode::kCekf), evidence, 50, config);
-  EXPECT_EQ(told.mode, FilterMode::kCekf);
-  EXPECT_THAT(told.reason, AllOf(HasSubstr("ambiguous"), HasSubstr("automatic_by_detections")));
-  config.switching.automatic_by_detections = true;
-  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence, 50, config).mode,
-            FilterMode::kRelocalising);
-}
-
-TEST(Suspicion, NeverFallsOnALargeDeviationAlone) {
-  ScanEvidence scan = healthy().scan;
-  scan.position_deviation_m = 50.0;
-  scan.heading_deviation_rad = 1.0;
-  EXPECT_TRUE(isArmed(scan, {}));
-  EXPECT_EQ(findSuspicion(scan, {}), "");
-}
-
-TEST(SupervisorDecision, SwitchesOnlyAfterSuspicionHasLasted) {
-  const SupervisorConfig config = automatic();
-  const SupervisorEvidence evidence = withRelocaliser(ambiguous());
-  const int needed = scansOver(config.switching.suspicious_s);
-  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence, needed - 1).mode, FilterMode::kCekf);
-  const SupervisorDecision decision = afterScans(stateIn(FilterMode::kCekf), evidence, needed);
-  EXPECT_EQ(decision.mode, FilterMode::kRelocalising);
-  EXPECT_EQ(decision.action, SupervisorAction::kBeginRelocalising);
-  EXPECT_EQ(decision.state.attempts, 1);
-  EXPECT_THAT(decision.reason, HasSubstr("ambiguous"));
-}
-
-TEST(SupervisorDecision, SwitchesSoonerWhereTheDeviationIsLarge) {
-  const SupervisorConfig config = automatic();
-  SupervisorEvidence evidence = withRelocaliser(ambiguous());
-  evidence.scan.position_deviation_m = 3.0;
-  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence,
-                       scansOver(config.switching.armed_suspicious_s))
-                .mode,
-            FilterMode::kRelocalising);
-  SupervisorEvidence uncertain = withRelocaliser(healthy());
-  uncertain.scan.position_deviation_m = 3.0;
-  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), uncertain, 1000).mode, FilterMode::kCekf);
-}
-
-TEST(SupervisorDecision, SwitchesAfterTheSameTimeWhateverTheSensorsRate) {
-  const SupervisorConfig config = automatic();
-  const SupervisorEvidence evidence = withRelocaliser(ambiguous());
-  for (const double period_s : {0.05, 0.1, 0.2, 0.5}) {
-    SupervisorState state = stateIn(FilterMode::kCekf);
-    state.good_order_s = kNow_s - period_s;  // no scan was counted yet
-    const int needed = scansOver(config.switching.suspicious_s, period_s);
-    EXPECT_EQ(afterScans(state, evidence, needed - 1, config, period_s).mode, FilterMode::kCekf);
-    EXPECT_EQ(afterScans(state, evidence, needed, config, period_s).mode,
-              FilterMode::kRelocalising);
-  }
-}
-
-/// What a gap hides may have been in good order.
-TEST(SupervisorDecision, DoesNotSwitchAfterAGapInTheScans) {
-  const SupervisorConfig config = automatic();
-  SupervisorEvidence evidence = withRelocaliser(ambiguous());
-  evidence.time_s = kNow_s + 60.0;
-  const int needed = scansOver(config.switching.suspicious_s);
-  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence, needed - 3).mode, FilterMode::kCekf);
-  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence, needed).mode,
-            FilterMode::kRelocalising);
-}
-
-TEST(SupervisorDecision, TakesThreeScansHoweverFarApart) {
-  const SupervisorEvidence evidence = withRelocaliser(ambiguous());
-  const auto after = [&](int scans) {
-    return afterScans(stateIn(FilterMode::kCekf), evidence, scans, automatic(), 10.0).mode;
-  };
-  EXPECT_EQ(after(2), FilterMode::kCekf);
-  EXPECT_EQ(after(4), FilterMode::kRelocalising);
-}
-
-/// All of `expected` landmarks in clear view are missed, and nothing is explained.
-SupervisorEvidence lost(int expected) {
-  SupervisorEvidence evidence = withRelocaliser(healthy());
-  evidence.scan.nis = 0.0;
-  evidence.scan.dof = 0;
-  evidence.scan.unexplained = 1.0;
-  evidence.scan.confirmed_expected = evidence.scan.confirmed_missed = expected;
-  return evidence;
-}
-
-TEST(SupervisorDecision, SwitchesWhereConfirmedLandmarksAreMissedThoughNoneIsOld) {
-  const SupervisorDecision decision = afterScans(stateIn(FilterMode::kCekf), lost(5), 9);
-  EXPECT_EQ(decision.mode, FilterMode::kRelocalising);
-  EXPECT_THAT(decision.reason, AllOf(HasSubstr("nothing hides"), HasSubstr("once in 1 h")));
-}
-
-TEST(SupervisorDecision, BeginsFromTheScanBeforeTheLandmarksWereMissed) {
-  SupervisorDecision decision =
-      afterScans(stateIn(FilterMode::kCekf), withRelocaliser(healthy()), 5);
-  SupervisorEvidence evidence = lost(5);
-  evidence.time_s = kNow_s + 5 * kPeriod_s;
-  const SupervisorState before = decision.state;
-  while (decision.mode == FilterMode::kCekf && evidence.time_s < kNow_s + 20.0) {
-    decision = computeDecision(decision.state, evidence, automatic());
-    evidence.time_s += kPeriod_s;
-  }
-  ASSERT_EQ(decision.action, SupervisorAction::kBeginRelocalising);
-  EXPECT_DOUBLE_EQ(decision.from_s, before.good_order_s);
-  EXPECT_DOUBLE_EQ(decision.from_s, kNow_s + 4 * kPeriod_s);
-}
-
-/// What it mapped after a doubt that passed may be in the wrong place.
-TEST(SupervisorDecision, BeginsFromBeforeAMuchDoubtedScanThatWasExplainedAgain) {
-  SupervisorDecision decision =
-      afterScans(stateIn(FilterMode::kCekf), withRelocaliser(healthy()), 5);
-  const double doubted_from_s = kNow_s + 4 * kPeriod_s;
-  const auto go_on = [&](SupervisorEvidence evidence, int scans) {
-    evidence.time_s = *decision.state.last_scan_s + kPeriod_s;
-    decision = afterScans(decision.state, evidence, scans);
-  };
-  go_on(lost(5), 3);
-  ASSERT_TRUE(decision.state.loss.doubtsMuch());
-  SupervisorEvidence explained = withRelocaliser(healthy());
-  explained.scan.confirmed_expected = 5;
-  go_on(explained, 20);
-  ASSERT_FALSE(decision.state.loss.doubts());
-  go_on(withRelocaliser(ambiguous()), scansOver(automatic().switching.suspicious_s));
-  ASSERT_EQ(decision.action, SupervisorAction::kBeginRelocalising);
-  EXPECT_DOUBLE_EQ(decision.from_s, doubted_from_s);
-}
-
-/// The filter keeps no way back to what was long ago.
-TEST(SupervisorDecision, BeginsFromNoScanThatIsTooLongAgo) {
-  SupervisorConfig config = automatic();
-  config.switching.automatic = false;
-  SupervisorDecision decision = afterScans(stateIn(FilterMode::kCekf), lost(1), 500, config);
-  EXPECT_GE(decision.state.good_order_s,
-            *decision.state.last_scan_s - config.switching.longest_doubt_s);
-}
-
-TEST(SupervisorDecision, OneGoodScanEndsTheDoubt) {
-  const SupervisorConfig config = automatic();
-  const SupervisorDecision nearly =
-      afterScans(stateIn(FilterMode::kCekf), withRelocaliser(ambiguous()),
-                 scansOver(config.switching.suspicious_s) - 1);
-  const SupervisorDecision after =
-      computeDecision(nearly.state, withRelocaliser(healthy()), config);
-  EXPECT_EQ(after.state.suspicious_scans, 0);
-}
-
-TEST(SupervisorDecision, CountsAScanOnceHoweverOftenItIsAsked) {
-  SupervisorEvidence evidence = withRelocaliser(ambiguous());
-  evidence.new_scan = false;
-  EXPECT_EQ(afterScans(stateIn(FilterMode::kCekf), evidence, 1000).mode, FilterMode::kCekf);
-}
-
-TEST(SupervisorDecision, SaysThatNoRelocaliserRunsThatCouldHelp) {
-  const SupervisorDecision decision = afterScans(stateIn(FilterMode::kCekf), ambiguous(), 50);
-  EXPECT_EQ(decision.mode, FilterMode::kCekf);
-  EXPECT_EQ(decision.action, SupervisorAction::kNothing);
-  EXPECT_THAT(decision.reason, AllOf(HasSubstr("ambiguous"), HasSubstr("No relocaliser runs")));
-}
-
 TEST(SupervisorDecision, ReturnsWhenTheCekfHasTakenThePlace) {
   const SupervisorDecision decision = computeDecision(
       stateIn(FilterMode::kRelocalising, 2), withRelocaliser(healthy(), Search::kAccepted), {});
@@ -361,25 +102,8 @@ TEST(SupervisorDecision, IsLostAtOnceWhereTheRelocaliserCannotBegin) {
   EXPECT_THAT(decision.reason, EndsWith("look for the place: The map has no landmarks."));
 }
 
-TEST(SupervisorDecision, BeginsFromTheLastScanInGoodOrder) {
-  const SupervisorConfig config = automatic();
-  SupervisorEvidence evidence = withRelocaliser(healthy());
-  const SupervisorDecision good = computeDecision(stateIn(FilterMode::kCekf), evidence, config);
-  evidence = withRelocaliser(ambiguous());
-  evidence.time_s = kNow_s + 0.2;
-  const SupervisorDecision begun =
-      afterScans(good.state, evidence, scansOver(config.switching.suspicious_s));
-  EXPECT_EQ(begun.action, SupervisorAction::kBeginRelocalising);
-  EXPECT_EQ(begun.from_s, kNow_s);
-  SupervisorEvidence silent = healthy();
-  silent.time_s = kNow_s + 100.0;
-  const SupervisorDecision back = computeDecision(begun.state, silent, config);
-  EXPECT_EQ(back.action, SupervisorAction::kResumeWithoutClosing);
-  EXPECT_EQ(back.from_s, kNow_s);
-}
-
 TEST(SupervisorDecision, IsLostWhenTheRelocaliserFindsNothingInTime) {
-  const SupervisorConfig config = automatic();
+  const SupervisorConfig config;
   SupervisorState state = stateIn(FilterMode::kRelocalising, 1);
   state.since_s = kNow_s - config.switching.relocalise_timeout_s - 0.1;
   const SupervisorDecision decision = computeDecision(state, withRelocaliser(healthy()), config);
@@ -388,7 +112,7 @@ TEST(SupervisorDecision, IsLostWhenTheRelocaliserFindsNothingInTime) {
 }
 
 TEST(SupervisorDecision, TriesAgainAfterAWhileAndNotForEver) {
-  const SupervisorConfig config = automatic();
+  const SupervisorConfig config;
   SupervisorState state = stateIn(FilterMode::kLost, 1);
   state.not_before_s = kNow_s + 1.0;
   EXPECT_EQ(computeDecision(state, withRelocaliser(healthy()), config).mode, FilterMode::kLost);
@@ -404,7 +128,7 @@ TEST(SupervisorDecision, TriesAgainAfterAWhileAndNotForEver) {
 }
 
 TEST(SupervisorDecision, RestsAfterTheCekfTookOverAgain) {
-  const SupervisorConfig config = automatic();
+  const SupervisorConfig config;
   SupervisorState state = stateIn(FilterMode::kLost, config.switching.max_attempts);
   const SupervisorDecision back = computeDecision(state, withRelocaliser(healthy()), config);
   SupervisorEvidence evidence = withRelocaliser(ambiguous());
@@ -416,7 +140,7 @@ TEST(SupervisorDecision, RestsAfterTheCekfTookOverAgain) {
 }
 
 TEST(SupervisorDecision, FallsBackWhenTheRelocaliserDiesInCharge) {
-  const SupervisorConfig config = automatic();
+  const SupervisorConfig config;
   SupervisorState state = stateIn(FilterMode::kRelocalising, 1);
   state.since_s = kNow_s - 10.0;
   SupervisorEvidence evidence = withRelocaliser(healthy());
@@ -450,7 +174,7 @@ SupervisorEvidence waiting() {
 }
 
 TEST(SupervisorDecision, EndsTheWaitingForASearchThatNobodyIsOn) {
-  const SupervisorConfig config = automatic();
+  const SupervisorConfig config;
   const int scans = scansOver(config.switching.retry_interval_s) + 1;
   const SupervisorDecision before = afterScans(stateIn(FilterMode::kCekf), waiting(), scans);
   EXPECT_EQ(before.action, SupervisorAction::kNothing);
@@ -461,11 +185,11 @@ TEST(SupervisorDecision, EndsTheWaitingForASearchThatNobodyIsOn) {
 }
 
 TEST(SupervisorDecision, AsksOnceThatTheWaitingEnds) {
-  const int scans = scansOver(automatic().switching.retry_interval_s) + 2;
+  const int scans = scansOver(SupervisorConfig().switching.retry_interval_s) + 2;
   const SupervisorDecision ended = afterScans(stateIn(FilterMode::kCekf), waiting(), scans);
   SupervisorEvidence next = waiting();
   next.time_s += scans * kPeriod_s;
-  EXPECT_EQ(computeDecision(ended.state, next, automatic()).action, SupervisorAction::kNothing);
+  EXPECT_EQ(computeDecision(ended.state, next, {}).action, SupervisorAction::kNothing);
 }
 
 TEST(SupervisorDecision, LetsTheFilterWaitForItsOwnSearch) {
@@ -478,139 +202,6 @@ TEST(SupervisorDecision, LetsTheFilterWaitForItsOwnSearch) {
 
 TEST(SupervisorConfig, IsDocumentedByItsShippedFile) {
   test::expectDocumentedByShippedFile("supervisor", SupervisorConfig());
-}
-
-/// Every mode with every combination of what can be told.
-class EveryDecision : public ::testing::Test {
- protected:
-  struct Case {
-    SupervisorState state;
-    SupervisorEvidence evidence;
-  };
-
-  static std::vector<SupervisorState> states() {
-    std::vector<SupervisorState> states;
-    for (const auto mode : {FilterMode::kInitialising, FilterMode::kCekf, FilterMode::kRelocalising,
-                            FilterMode::kLost}) {
-      for (const int attempts : {0, 1, 3, 4}) {
-        for (const double age_s : {0.0, 10.0, 1000.0}) {
-          for (const int suspicious : {0, 2, 9}) {
-            for (const double wait_s : {-1.0, 5.0}) {
-              SupervisorState state = stateIn(mode, attempts);
-              state.since_s = kNow_s - age_s;
-              state.suspicious_scans = suspicious;
-              state.suspicious_s = kPeriod_s * suspicious;
-              state.not_before_s = kNow_s + wait_s;
-              state.good_order_s = kNow_s - 2.0;
-              state.waits_from_s = kNow_s - 2.0 * age_s;
-              states.push_back(state);
-            }
-          }
-        }
-      }
-    }
-    return states;
-  }
-
-  static std::vector<SupervisorEvidence> evidences() {
-    std::vector<SupervisorEvidence> evidences;
-    for (const bool posed : {false, true}) {
-      for (const bool doubtful : {false, true}) {
-        for (const bool armed : {false, true}) {
-          for (const bool silent : {false, true}) {
-            for (const std::optional<Search> search :
-                 {std::optional<Search>(), std::optional(Search::kSearching),
-                  std::optional(Search::kAccepted), std::optional(Search::kRefused),
-                  std::optional(Search::kFailed)}) {
-              for (const int request : {0, 1, 2}) {
-                SupervisorEvidence evidence = doubtful ? ambiguous() : healthy();
-                if (!posed) evidence.pose_age_s.reset();
-                if (armed) evidence.scan.position_deviation_m = 10.0;
-                if (search) evidence = withRelocaliser(evidence, *search);
-                if (search && silent) evidence.relocaliser->age_s = 100.0;
-                if (request == 1) evidence.requested = FilterMode::kCekf;
-                if (request == 2) evidence.requested = FilterMode::kRelocalising;
-                evidences.push_back(evidence);
-                evidence.waits = true;
-                evidences.push_back(evidence);
-              }
-            }
-          }
-        }
-      }
-    }
-    return evidences;
-  }
-
-  template <class Check>
-  static void forEach(Check check) {
-    const SupervisorConfig config = automatic();
-    const auto all_evidences = evidences();
-    for (const SupervisorState& state : states()) {
-      for (const SupervisorEvidence& evidence : all_evidences) {
-        check(state, evidence, computeDecision(state, evidence, config));
-      }
-    }
-  }
-};
-
-TEST_F(EveryDecision, StatesItsReasonAndRemembersItsMode) {
-  forEach([](const SupervisorState&, const SupervisorEvidence&, const SupervisorDecision& d) {
-    EXPECT_FALSE(d.reason.empty());
-    EXPECT_THAT(d.reason, EndsWith(d.mode == FilterMode::kInitialising ? "?" : "."));
-    EXPECT_EQ(d.state.mode, d.mode);
-  });
-}
-
-TEST_F(EveryDecision, ActsExactlyWhenItSwitchesAwayFromAFilterOrHandsBack) {
-  forEach([](const SupervisorState& state, const SupervisorEvidence& evidence,
-             const SupervisorDecision& d) {
-    const bool switches = isModeSwitch(state.mode, d.mode);
-    switch (d.action) {
-      case SupervisorAction::kBeginRelocalising:
-        EXPECT_EQ(d.mode, FilterMode::kRelocalising);
-        EXPECT_TRUE(switches || evidence.requested == FilterMode::kRelocalising);
-        EXPECT_EQ(d.state.attempts, state.attempts + 1);
-        break;
-      case SupervisorAction::kResumeWithoutClosing:
-        EXPECT_TRUE(switches && d.mode == FilterMode::kCekf);
-        break;
-      case SupervisorAction::kEndWaiting:
-        EXPECT_TRUE(evidence.waits && state.mode == FilterMode::kCekf && d.mode == state.mode);
-        break;
-      case SupervisorAction::kNothing:
-        EXPECT_NE(switches, d.mode == state.mode || state.mode == FilterMode::kInitialising);
-        EXPECT_FALSE(switches && d.mode == FilterMode::kRelocalising);
-        break;
-    }
-  });
-}
-
-TEST_F(EveryDecision, NeverRelocalisesWithoutARelocaliser) {
-  forEach([](const SupervisorState& state, const SupervisorEvidence& evidence,
-             const SupervisorDecision& d) {
-    const bool hears = evidence.relocaliser && evidence.relocaliser->age_s < 1.0;
-    if (hears || state.mode == FilterMode::kRelocalising) return;
-    EXPECT_NE(d.mode, FilterMode::kRelocalising);
-  });
-}
-
-TEST_F(EveryDecision, NeverLeavesAHealthyCekfUnlessAsked) {
-  forEach([](const SupervisorState& state, const SupervisorEvidence& evidence,
-             const SupervisorDecision& d) {
-    const bool asked = evidence.requested == FilterMode::kRelocalising;
-    if (state.mode != FilterMode::kCekf || evidence.scan.ambiguity > 0.0 || asked) return;
-    EXPECT_EQ(d.mode, FilterMode::kCekf);
-  });
-}
-
-TEST_F(EveryDecision, ReturnsToTheCekfOnlyByItsConsentOrWithoutClosing) {
-  forEach([](const SupervisorState& state, const SupervisorEvidence& evidence,
-             const SupervisorDecision& d) {
-    if (d.mode != FilterMode::kCekf || !isModeSwitch(state.mode, d.mode)) return;
-    const bool accepted = evidence.relocaliser && evidence.relocaliser->state == Search::kAccepted;
-    EXPECT_TRUE(accepted || d.action == SupervisorAction::kResumeWithoutClosing);
-  });
 }
 
 }  // namespace
