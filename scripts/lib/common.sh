@@ -18,6 +18,14 @@ die() {
   exit 1
 }
 
+# answer_help USAGE [ARGUMENT...]: prints the usage and ends, if the first argument asks for it.
+answer_help() {
+  [[ "${2:-}" != -h && "${2:-}" != --help ]] || {
+    say "$1"
+    exit 0
+  }
+}
+
 # As many compilers as there are cores, but no more than fit in the memory: Eigen, Boost and
 # RapidCheck can take 1.5 GB each.
 compile_jobs() {

@@ -1,6 +1,5 @@
 #!/usr/bin/python3
 """Who is in charge, by what the filters say: the switches, their reasons, and one map -> odom that never stops."""
-import math
 import threading
 import time
 import unittest
