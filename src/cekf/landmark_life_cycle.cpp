@@ -23,6 +23,12 @@ constexpr double kLargestLogOdds = 5.0;
 // Moves that nobody needs to hear of.
 constexpr double kNoticeableMove_m = 1e-3;
 
+/// Any diameter that a trunk may have is as likely as any other.
+DiameterPrior diameterPrior(const TrunkConfig& trunks) {
+  return {0.5 * (trunks.min_diameter_m + trunks.max_diameter_m),
+          (trunks.max_diameter_m - trunks.min_diameter_m) / std::sqrt(12.0)};
+}
+
 void fuseDiameter(const Observation& observation, RegisteredLandmark& landmark) {
   if (!std::isfinite(observation.diameter_m) || !(observation.diameter_variance > 0.0)) return;
   if (!std::isfinite(landmark.diameter_m)) {
@@ -38,21 +44,17 @@ void fuseDiameter(const Observation& observation, RegisteredLandmark& landmark) 
 
 }  // namespace
 
-LandmarkLifeCycle::LandmarkLifeCycle(const LandmarkConfig& config,
-                                     const AssociationConfig& association,
-                                     const DiameterPrior& diameter, bool at_first_estimates,
-                                     const LastingErrorConfig& lasting_errors,
-                                     const SlipConfig& slip)
-    : config_(config),
-      at_first_estimates_(at_first_estimates),
-      merge_gate_(chiSquareQuantile(config.merge_probability, 2)),
-      hit_log_odds_(std::log(config.detection_probability / config.false_detection_probability)),
-      miss_log_odds_(std::log((1.0 - config.detection_probability) /
-                              (1.0 - config.false_detection_probability))),
-      diameters_(diameter),
-      lasting_error_model_(lasting_errors),
-      tentative_({config.promote_sightings, config.promote_share, config.promote_span_s}),
-      duplicate_search_(config, association, slip) {}
+LandmarkLifeCycle::LandmarkLifeCycle(const CekfSlamConfig& config)
+    : config_(config.landmarks),
+      at_first_estimates_(config.update.atFirstEstimates()),
+      merge_gate_(chiSquareQuantile(config_.merge_probability, 2)),
+      hit_log_odds_(std::log(config_.detection_probability / config_.false_detection_probability)),
+      miss_log_odds_(std::log((1.0 - config_.detection_probability) /
+                              (1.0 - config_.false_detection_probability))),
+      diameters_(diameterPrior(config.perception.trunks)),
+      lasting_error_model_(config.lasting_errors),
+      tentative_({config_.promote_sightings, config_.promote_share, config_.promote_span_s}),
+      duplicate_search_(config_, config.association, config.slip) {}
 
 void LandmarkLifeCycle::confirm(const ObservationSet& set, const ScanAssociation& association,
                                 CompressedEkf& filter) {

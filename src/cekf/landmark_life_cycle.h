@@ -37,9 +37,7 @@ class LandmarkLifeCycle {
     int confirmed = 0;
   };
 
-  LandmarkLifeCycle(const LandmarkConfig& config, const AssociationConfig& association,
-                    const DiameterPrior& diameter = {}, bool at_first_estimates = false,
-                    const LastingErrorConfig& lasting_errors = {}, const SlipConfig& slip = {});
+  explicit LandmarkLifeCycle(const CekfSlamConfig& config);
 
   /// Lets the measurements of landmarks that come into view depend on the lasting errors of their
   /// sightings, which begin here.

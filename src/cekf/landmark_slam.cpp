@@ -25,12 +25,6 @@ constexpr double kRefreshRadius_m = 100.0;
 // landmarks that it might see; constellations do.
 constexpr double kFarthestSlip_m = 10.0;
 
-/// Any diameter that a trunk may have is as likely as any other.
-DiameterPrior diameterPrior(const TrunkConfig& trunks) {
-  return {0.5 * (trunks.min_diameter_m + trunks.max_diameter_m),
-          (trunks.max_diameter_m - trunks.min_diameter_m) / std::sqrt(12.0)};
-}
-
 /// Whether at least half of the observations, and one, are of landmarks.
 bool isExplained(const ScanAssociation& association) {
   return !association.measurements.empty() &&
@@ -56,8 +50,7 @@ LandmarkSlam::LandmarkSlam(const CekfSlamConfig& config, const VehicleConfig& ve
       scan_update_(config.update.atFirstEstimates()
                        ? ScanUpdate(config.update.max_iterations, config.large_correction_m)
                        : ScanUpdate(config.update.max_iterations)),
-      life_cycle_(config.landmarks, config.association, diameterPrior(config.perception.trunks),
-                  config.update.atFirstEstimates(), config.lasting_errors, config.slip),
+      life_cycle_(config),
       pins_(config.landmarks.pin_delay_s),
       area_(config.active_area),
       estimate_(newEstimate()) {}
