@@ -21,7 +21,7 @@ struct SolidLandmark {
 
 /// What a vehicle keeps away from beside occupied cells: all within a radius of a stretch. A
 /// landmark's stretch is its centre, twice; a border of the mesh has no width.
-struct Solid {
+struct Barrier {
   std::pair<int, int> landmarks;  ///< at the ends of the stretch
   Eigen::Vector2d from, to;
   double radius_m = 0.0;

@@ -38,12 +38,12 @@ void BlockedCells::keepAwayFrom(const Triangle& triangle, const CellCosts& costs
 }
 
 // The vehicle may be anywhere in a cell that is passable, so that half of the cell is kept as well.
-void BlockedCells::keepAwayFrom(const Solid& solid, double slack_m) {
+void BlockedCells::keepAwayFrom(const Barrier& barrier, double slack_m) {
   const auto toCells = [this](const Eigen::Vector2d& place) {
     return grid_.toCells(triangle_.toLocal(place));
   };
-  block(toCells(solid.from), toCells(solid.to),
-        half_width_m_ + solid.radius_m + slack_m + halfDiagonal(cell_edges_));
+  block(toCells(barrier.from), toCells(barrier.to),
+        half_width_m_ + barrier.radius_m + slack_m + halfDiagonal(cell_edges_));
 }
 
 /// Cells with their centres within a radius of a stretch in units of cells.

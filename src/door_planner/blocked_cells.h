@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "door_planner/barrier.h"
 #include "door_planner/cell_costs.h"
-#include "door_planner/solid.h"
 #include "hybrid_map/simplex.h"
 
 namespace hymm::core {
@@ -20,7 +20,7 @@ class BlockedCells {
   /// From what is occupied in an LTR, this one or another.
   void keepAwayFrom(const Triangle& triangle, const CellCosts& costs);
   /// From a landmark or a border, in map; by `slack_m` more, so that it may move that much.
-  void keepAwayFrom(const Solid& solid, double slack_m);
+  void keepAwayFrom(const Barrier& barrier, double slack_m);
   void free(int cell) { blocked_[std::size_t(cell)] = false; }
 
   const std::vector<bool>& cells() const { return blocked_; }

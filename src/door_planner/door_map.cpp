@@ -18,19 +18,13 @@ constexpr double kIndexCell_m = 10.0;
 /// portals would fill the memory.
 constexpr std::int64_t kMostCells = 1 << 22;
 constexpr double kWidest_m = 1e4;
-/// The same goes for numbers of LTRs, by which the index keeps them in a row, and for landmarks
-/// that are wider than anything that a robot passes: the index would fill with their cells.
+/// The index keeps LTRs in a row by their numbers.
 constexpr int kMostLtrs = 1 << 22;
-constexpr double kWidestLandmark_m = 100.0;
 /// Cells of other LTRs may be that much larger than an LTR's own.
 constexpr double kIndexMargin_m = 1.0;
 /// By which landmarks and borders may move relative to an LTR before its blocked cells are found
 /// anew; so much more is kept away from them.
-constexpr double kSolidSlack_m = 0.05;
-
-double factorOf(const LtrView& view) {
-  return std::isnan(view.shape_factor) ? 1.0 : std::max(1.0, view.shape_factor);
-}
+constexpr double kBarrierSlack_m = 0.05;
 
 bool isUsable(const LtrView& view) {
   if (view.id < 0 || view.id >= kMostLtrs) return false;
@@ -43,33 +37,17 @@ bool isUsable(const LtrView& view) {
          view.beta_cells > 0 && cells <= kMostCells;
 }
 
-/// Largest share by which a length in `before` has grown in `now`.
-double stretchOf(const Triangle& now, const Triangle& before) {
-  const Eigen::Matrix2d deformation = now.edges() * before.edgesInverse();
-  // The larger singular value, by the trace and the determinant of its square.
-  const double trace = deformation.squaredNorm(), determinant = deformation.determinant();
-  const double root = std::sqrt(std::max(0.0, trace * trace - 4.0 * determinant * determinant));
-  return std::sqrt(0.5 * (trace + root));
-}
-
-int sideOfKey(const LtrView& view, const SideKey& key) {
-  for (int k = 0; k < 3; ++k) {
-    if (sideKeyOf(view, k) == key) return k;
-  }
-  return kNone;
-}
-
 /// Of a stretch that does not cross the LTR from side to side.
-double distanceOf(const Solid& solid, const Corners& corners, const Triangle& triangle) {
-  if (triangle.contains(solid.from)) return 0.0;
+double distanceOf(const Barrier& barrier, const Corners& corners, const Triangle& triangle) {
+  if (triangle.contains(barrier.from)) return 0.0;
   double least = kNoPassing;
   for (std::size_t k = 0; k < 3; ++k) {
     const Eigen::Vector2d &corner = corners[k], &next = corners[(k + 1) % 3];
-    least = std::min({least, distanceToSegment(solid.from, corner, next),
-                      distanceToSegment(solid.to, corner, next),
-                      distanceToSegment(corner, solid.from, solid.to)});
+    least = std::min({least, distanceToSegment(barrier.from, corner, next),
+                      distanceToSegment(barrier.to, corner, next),
+                      distanceToSegment(corner, barrier.from, barrier.to)});
   }
-  return least - solid.radius_m;
+  return least - barrier.radius_m;
 }
 
 Eigen::Vector2d lowOf(const Corners& c) { return c[0].cwiseMin(c[1]).cwiseMin(c[2]); }
@@ -78,7 +56,7 @@ Eigen::Vector2d highOf(const Corners& c) { return c[0].cwiseMax(c[1]).cwiseMax(c
 }  // namespace
 
 DoorMap::DoorMap(const DoorPlannerConfig& config)
-    : config_(config), index_(kIndexCell_m), landmark_index_(kIndexCell_m) {
+    : config_(config), index_(kIndexCell_m), discs_(config.landmark_diameter_m) {
   const std::vector<std::string> problems = config_.problems();
   if (!problems.empty()) throw ConfigError(problems);
   std::vector<std::string> ignored;
@@ -112,15 +90,10 @@ std::vector<int> DoorMap::setLtrs(const std::vector<LtrView>& ltrs) {
   for (auto region = regions_.begin(); region != regions_.end();) {
     if (present.count(region->first) > 0) {
       ++region;
-      continue;
+    } else {
+      forget(region->second);
+      region = regions_.erase(region);
     }
-    if (region->second.costs) blockAround(region->first);
-    lookAround(region->second);
-    index_.remove(region->first);
-    to_block_.erase(region->first);
-    to_look_.erase(region->first);
-    to_compute_.erase(region->first);
-    region = regions_.erase(region);
   }
   for (const int id : moved) {
     to_look_.insert(id);
@@ -131,33 +104,21 @@ std::vector<int> DoorMap::setLtrs(const std::vector<LtrView>& ltrs) {
   return unusable;
 }
 
+/// All that is noted of an LTR that is no more.
+void DoorMap::forget(const Region& region) {
+  const int id = region.view.id;
+  if (region.costs) blockAround(id);
+  lookAround(region);
+  index_.remove(id);
+  to_block_.erase(id);
+  to_look_.erase(id);
+  to_compute_.erase(id);
+}
+
 void DoorMap::setLandmarks(const std::vector<SolidLandmark>& landmarks) {
-  std::map<int, SolidLandmark> before = std::move(landmarks_);
-  landmarks_.clear();
-  landmark_index_ = LtrIndex(kIndexCell_m);
-  discs_.clear();
-  const double reach_m = 0.5 * config_.vehicle.width_m;
-  const auto discOf = [this](const SolidLandmark& landmark) {
-    const bool is_told = landmark.diameter_m >= 0.0 && landmark.diameter_m <= kWidestLandmark_m;
-    const double diameter_m = is_told ? landmark.diameter_m : config_.landmark_diameter_m;
-    return Solid{{landmark.id, landmark.id}, landmark.place, landmark.place, 0.5 * diameter_m};
-  };
-  const auto changed = [&](const Solid& disc) {
-    lookAround(disc.from, disc.from, disc.radius_m + reach_m);
-  };
-  for (const SolidLandmark& landmark : landmarks) {
-    if (!isPlace(landmark.place)) continue;
-    landmarks_[landmark.id] = landmark;
-    const Solid disc = discOf(landmark);
-    const Eigen::Vector2d radius = Eigen::Vector2d::Constant(disc.radius_m);
-    landmark_index_.place(static_cast<int>(discs_.size()), disc.from - radius, disc.from + radius);
-    discs_.push_back(disc);
-    const auto old = before.find(landmark.id);
-    const bool is_same = old != before.end() && old->second == landmark;
-    if (!is_same) changed(disc);
-    if (is_same) before.erase(old);
+  for (const Barrier& disc : discs_.set(landmarks)) {
+    lookAround(disc.from, disc.from, disc.radius_m + 0.5 * config_.vehicle.width_m);
   }
-  for (const auto& [id, landmark] : before) changed(discOf(landmark));
 }
 
 /// LTRs near a box, when landmarks or borders in it have changed.
@@ -180,20 +141,20 @@ bool DoorMap::hasBorder(const Region& region) const {
 }
 
 /// Landmarks and borders in reach of a vehicle in the LTR, in its local coordinates.
-std::vector<Solid> DoorMap::solidsNear(const Region& region) const {
-  std::vector<Solid> solids;
-  const double reach = reach_m(region) + kSolidSlack_m;
-  const auto add = [&](Solid solid) {
+std::vector<Barrier> DoorMap::barriersNear(const Region& region) const {
+  std::vector<Barrier> barriers;
+  const double reach = reach_m(region) + kBarrierSlack_m;
+  const auto add = [&](Barrier barrier) {
     // The index is coarse, and its boxes do not turn with the map.
-    if (distanceOf(solid, region.view.corners, region.triangle) > reach) return;
-    solid.from = region.triangle.toLocal(solid.from);
-    solid.to = region.triangle.toLocal(solid.to);
-    solids.push_back(solid);
+    if (distanceOf(barrier, region.view.corners, region.triangle) > reach) return;
+    barrier.from = region.triangle.toLocal(barrier.from);
+    barrier.to = region.triangle.toLocal(barrier.to);
+    barriers.push_back(barrier);
   };
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(reach);
   const Eigen::Vector2d low = lowOf(region.view.corners) - margin;
   const Eigen::Vector2d high = highOf(region.view.corners) + margin;
-  landmark_index_.visit(low, high, [&](int disc) { add(discs_[std::size_t(disc)]); });
+  discs_.visit(low, high, add);
   if (config_.outside_is_occupied) {
     index_.visit(low, high, [&](int id) {
       const auto near = regions_.find(id);
@@ -209,26 +170,26 @@ std::vector<Solid> DoorMap::solidsNear(const Region& region) const {
       }
     });
   }
-  std::sort(solids.begin(), solids.end(),
-            [](const Solid& a, const Solid& b) { return a.landmarks < b.landmarks; });
-  return solids;
+  std::sort(barriers.begin(), barriers.end(),
+            [](const Barrier& a, const Barrier& b) { return a.landmarks < b.landmarks; });
+  return barriers;
 }
 
 /// What spans an LTR moves with it: only what has moved relative to it, or is another, counts.
-void DoorMap::findMovedSolids() {
+void DoorMap::findMovedBarriers() {
   for (const int id : to_look_) {
     const auto found = regions_.find(id);
     if (found == regions_.end() || !found->second.costs || to_block_.count(id) > 0) continue;
     const Region& region = found->second;
-    const std::vector<Solid> now = solidsNear(region);
+    const std::vector<Barrier> now = barriersNear(region);
     const Eigen::Matrix2d edges = region.triangle.edges();
     const bool keeps =
-        std::equal(now.begin(), now.end(), region.solids.begin(), region.solids.end(),
-                   [&](const Solid& a, const Solid& b) {
+        std::equal(now.begin(), now.end(), region.barriers.begin(), region.barriers.end(),
+                   [&](const Barrier& a, const Barrier& b) {
                      const double moved_m = std::max((edges * (a.from - b.from)).norm(),
                                                      (edges * (a.to - b.to)).norm());
                      return a.landmarks == b.landmarks &&
-                            moved_m + std::abs(a.radius_m - b.radius_m) <= kSolidSlack_m;
+                            moved_m + std::abs(a.radius_m - b.radius_m) <= kBarrierSlack_m;
                    });
     if (!keeps) to_block_.insert(id);
   }
@@ -239,7 +200,7 @@ void DoorMap::findMovedSolids() {
 void DoorMap::touchShape(Region& region) {
   if (!region.in_force) return;
   const Eigen::Matrix2d deformation = region.triangle.edges() * region.computed.edgesInverse();
-  const double factor = factorOf(region.view) / region.computed_factor;
+  const double factor = region.view.factor() / region.computed_factor;
   const bool keeps = keepsShape(deformation, 1.0 + config_.shape_tolerance) &&
                      std::abs(std::log(factor)) <= config_.shape_tolerance;
   if (keeps) return;
@@ -255,7 +216,7 @@ void DoorMap::connectSides() {
       const auto found = regions_.find(other);
       if (other <= id || found == regions_.end()) continue;
       const SideKey key = sideKeyOf(region.view, k);
-      if (sideOfKey(found->second.view, key) == kNone) continue;
+      if (findSide(found->second.view, key) == kNone) continue;
       Side& side = sides[key];
       side.ltrs = {id, other};
       const auto before = sides_.find(key);
@@ -323,10 +284,10 @@ std::vector<bool> DoorMap::blockedCells(const Region& region) const {
                  if (found == regions_.end() || !found->second.costs) return;
                  blocked.keepAwayFrom(found->second.triangle, *found->second.costs);
                });
-  for (Solid solid : region.solids) {
-    solid.from = region.triangle.toGlobal(solid.from);
-    solid.to = region.triangle.toGlobal(solid.to);
-    blocked.keepAwayFrom(solid, kSolidSlack_m);
+  for (Barrier barrier : region.barriers) {
+    barrier.from = region.triangle.toGlobal(barrier.from);
+    barrier.to = region.triangle.toGlobal(barrier.to);
+    blocked.keepAwayFrom(barrier, kBarrierSlack_m);
   }
   for (int cell = 0; cell < region.costs->grid().cellCount(); ++cell) {
     if (region.costs->isOccupied(cell)) blocked.free(cell);
@@ -339,7 +300,7 @@ void DoorMap::findBlocked() {
     Region& region = regions_.at(id);
     if (!region.costs) continue;
     ++counts_.blocked;
-    region.solids = solidsNear(region);
+    region.barriers = barriersNear(region);
     const std::vector<bool> blocked = blockedCells(region);
     if (blocked != region.costs->blocked()) {
       auto costs = std::make_shared<CellCosts>(*region.costs);
@@ -353,7 +314,7 @@ void DoorMap::findBlocked() {
     region.in_force = region.costs;
     changed_.insert(id);
     region.computed = region.triangle;
-    region.computed_factor = factorOf(region.view);
+    region.computed_factor = region.view.factor();
     to_compute_.insert(id);
     for (int k = 0; k < 3; ++k) {
       const SideKey key = sideKeyOf(region.view, k);
@@ -366,17 +327,18 @@ void DoorMap::findBlocked() {
 /// Stretches of a side that lie in landmarks.
 std::vector<std::pair<double, double>> DoorMap::stretchesOf(const Region& region,
                                                             const SideKey& key) const {
-  const int side = sideOfKey(region.view, key);
+  const int side = findSide(region.view, key);
   const Eigen::Vector2d first = region.triangle.toGlobal(placeOnSide(region.view, side, 0.0));
   const Eigen::Vector2d along =
       region.triangle.toGlobal(placeOnSide(region.view, side, 1.0)) - first;
   std::vector<std::pair<double, double>> stretches;
-  for (const Solid& solid : region.solids) {
-    if (!solid.isLandmark()) continue;
-    const Eigen::Vector2d apart = region.triangle.toGlobal(solid.from) - first;
+  for (const Barrier& barrier : region.barriers) {
+    if (!barrier.isLandmark()) continue;
+    const Eigen::Vector2d apart = region.triangle.toGlobal(barrier.from) - first;
     const double at = apart.dot(along) / along.squaredNorm();
-    const double half2 = (solid.radius_m * solid.radius_m - (apart - at * along).squaredNorm()) /
-                         along.squaredNorm();
+    const double half2 =
+        (barrier.radius_m * barrier.radius_m - (apart - at * along).squaredNorm()) /
+        along.squaredNorm();
     if (half2 > 0.0) stretches.emplace_back(at - std::sqrt(half2), at + std::sqrt(half2));
   }
   return stretches;
@@ -386,8 +348,8 @@ SideDoors DoorMap::doorsOf(const SideKey& key, const Side& side) const {
   const Region& one = regions_.at(side.ltrs[0]);
   const Region& other = regions_.at(side.ltrs[1]);
   if (!one.in_force || !other.in_force) return {};
-  return core::findDoors({one.view, sideOfKey(one.view, key), *one.in_force},
-                         {other.view, sideOfKey(other.view, key), *other.in_force},
+  return core::findDoors({one.view, findSide(one.view, key), *one.in_force},
+                         {other.view, findSide(other.view, key), *other.in_force},
                          stretchesOf(one, key), config_.vehicle.width_m, config_.portal_spacing_m);
 }
 
@@ -421,7 +383,7 @@ void DoorMap::computeMatrix(Region& region) {
 }
 
 std::size_t DoorMap::prepare(const Eigen::Vector2d& place, std::size_t max_matrices) {
-  findMovedSolids();
+  findMovedBarriers();
   findBlocked();
   findDoors();
   std::vector<std::pair<double, int>> order;
@@ -444,69 +406,6 @@ std::size_t DoorMap::prepare(const Eigen::Vector2d& place, std::size_t max_matri
     }
   }
   return to_compute_.size();
-}
-
-std::shared_ptr<const DoorGraph> DoorMap::makeGraph() {
-  std::shared_ptr<const DoorGraph> made;
-  if (graph_ && !is_reshaped_) made = makeByChanges();
-  graph_ = made ? made : makeWhole();
-  is_reshaped_ = false;
-  changed_.clear();
-  return graph_;
-}
-
-std::shared_ptr<const DoorGraph> DoorMap::makeByChanges() const {
-  const std::vector<GraphLtr>& ltrs = graph_->ltrs();
-  std::vector<GraphChange> changes;
-  for (const int id : changed_) {
-    const Region& region = regions_.at(id);
-    const auto place =
-        std::lower_bound(ltrs.begin(), ltrs.end(), id,
-                         [](const GraphLtr& ltr, int wanted) { return ltr.view.id < wanted; });
-    GraphChange change;
-    change.ltr = static_cast<int>(place - ltrs.begin());
-    change.costs = region.in_force;
-    if (to_compute_.count(id) == 0) change.matrix = region.matrix;
-    if (region.in_force) change.stretch = stretchOf(region.triangle, region.computed);
-    changes.push_back(std::move(change));
-  }
-  return graph_->with(changes);
-}
-
-std::shared_ptr<const DoorGraph> DoorMap::makeWhole() const {
-  std::vector<GraphLtr> ltrs;
-  std::unordered_map<int, int> numbers;
-  ltrs.reserve(regions_.size());
-  for (const auto& [id, region] : regions_) {
-    numbers[id] = static_cast<int>(ltrs.size());
-    GraphLtr ltr;
-    ltr.view = region.view;
-    ltr.triangle = region.triangle;
-    ltr.factor = factorOf(region.view);
-    ltr.costs = region.in_force;
-    if (to_compute_.count(id) == 0) ltr.matrix = region.matrix;
-    if (region.in_force) ltr.stretch = stretchOf(region.triangle, region.computed);
-    ltrs.push_back(std::move(ltr));
-  }
-  for (GraphLtr& ltr : ltrs) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto neighbour = numbers.find(ltr.view.neighbours[k]);
-      if (neighbour != numbers.end()) ltr.neighbours[k] = neighbour->second;
-    }
-  }
-  std::vector<GraphSide> sides;
-  sides.reserve(sides_.size());
-  for (const auto& [key, side] : sides_) {
-    GraphSide added;
-    added.doors = side.doors;
-    for (std::size_t i = 0; i < 2; ++i) {
-      added.ltrs[i] = numbers.at(side.ltrs[i]);
-      GraphLtr& ltr = ltrs[std::size_t(added.ltrs[i])];
-      ltr.sides[std::size_t(sideOfKey(ltr.view, key))] = static_cast<int>(sides.size());
-    }
-    sides.push_back(std::move(added));
-  }
-  return std::make_shared<DoorGraph>(std::move(ltrs), std::move(sides), config_.max_metric_error);
 }
 
 }  // namespace hymm::core

@@ -4,14 +4,14 @@
 #include <map>
 #include <memory>
 #include <set>
-#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "door_planner/barrier.h"
 #include "door_planner/door_graph.h"
 #include "door_planner/door_planner_config.h"
-#include "door_planner/solid.h"
+#include "door_planner/landmark_discs.h"
 #include "hybrid_map/ltr_index.h"
 
 namespace hymm::core {
@@ -58,7 +58,7 @@ class DoorMap {
     Triangle triangle;
     Triangle computed;  ///< its geometry when its costs were computed
     double computed_factor = 1.0;
-    std::vector<Solid> solids;  ///< that its cells are kept away from, in its local coordinates
+    std::vector<Barrier> barriers;  ///< that its cells are kept away from, in its local coordinates
     std::shared_ptr<const CellCosts> costs;     ///< null while nothing is known
     std::shared_ptr<const CellCosts> in_force;  ///< those that doors and matrix belong to
     std::shared_ptr<const CostMatrix> matrix;
@@ -68,14 +68,15 @@ class DoorMap {
     std::shared_ptr<const SideDoors> doors;
   };
 
+  void forget(const Region& region);
   void connectSides();
   void touchShape(Region& region);
   void lookAround(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double reach_m);
   void lookAround(const Region& region);
   bool isBorder(const Region& region, int side) const;
   bool hasBorder(const Region& region) const;
-  std::vector<Solid> solidsNear(const Region& region) const;
-  void findMovedSolids();
+  std::vector<Barrier> barriersNear(const Region& region) const;
+  void findMovedBarriers();
   void blockAround(int ltr);
   void findBlocked();
   void findDoors();
@@ -93,10 +94,8 @@ class DoorMap {
   std::map<int, Region> regions_;
   std::map<SideKey, Side> sides_;
   LtrIndex index_;
-  std::map<int, SolidLandmark> landmarks_;
-  LtrIndex landmark_index_;   ///< of their numbers in `discs_`
-  std::vector<Solid> discs_;  ///< of the landmarks, in map
-  std::set<int> to_look_;     ///< LTRs near which a landmark or a border may have moved
+  LandmarkDiscs discs_;
+  std::set<int> to_look_;  ///< LTRs near which a landmark or a border may have moved
   std::set<int> to_block_, to_compute_;
   std::set<SideKey> to_open_;
   std::uint64_t next_door_id_ = 1;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <string>
 #include <vector>
@@ -20,6 +22,9 @@ struct LtrView {
                   Eigen::Vector2d(0, 0)};  ///< in map, m
   int alpha_cells = 1, beta_cells = 1;     ///< of its TriangularGrid
   double shape_factor = 1.0;               ///< K; NaN where it is not known
+
+  /// By which its costs are multiplied.
+  double factor() const { return std::isnan(shape_factor) ? 1.0 : std::max(1.0, shape_factor); }
 };
 
 /// What its cells hold, in the order of its TriangularGrid. NaN where nothing is known.

@@ -94,6 +94,13 @@ SideKey sideKeyOf(const LtrView& ltr, int side) {
   return {std::min(a, b), std::max(a, b)};
 }
 
+int findSide(const LtrView& ltr, const SideKey& key) {
+  for (int k = 0; k < 3; ++k) {
+    if (sideKeyOf(ltr, k) == key) return k;
+  }
+  return kNone;
+}
+
 Triangle::Local placeOnSide(const LtrView& ltr, int side, double at) {
   const bool runs_along =
       ltr.landmark_ids[std::size_t(side)] < ltr.landmark_ids[std::size_t((side + 1) % 3)];

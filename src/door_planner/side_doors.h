@@ -15,6 +15,8 @@ namespace hymm::core {
 using SideKey = std::pair<int, int>;
 
 SideKey sideKeyOf(const LtrView& ltr, int side);
+/// Which side of the LTR it is; kNone if none.
+int findSide(const LtrView& ltr, const SideKey& key);
 
 /// Local coordinates of a place on side `side` of an LTR.
 Triangle::Local placeOnSide(const LtrView& ltr, int side, double at);
