@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include <Eigen/Core>
 
 #include "information_map/information_config.h"
@@ -21,9 +23,10 @@ struct RegionView {
 RegionView viewRegion(const Eigen::Vector2d& offset, const Eigen::Matrix2d& covariance,
                       double region_sigmas);
 
-/// Whether all of a region lies within the sensor's range: the worst case of paper IV-C.
-inline bool isWithinRange(const RegionView& view, const ExpectedSensor& sensor) {
-  return view.nearest_m >= sensor.min_range_m && view.farthest_m <= sensor.range_m;
+/// How far all of a region lies within the sensor's range, by the worst case of paper IV-C;
+/// negative where a part of it lies outside.
+inline double rangeMargin_m(const RegionView& view, const ExpectedSensor& sensor) {
+  return std::min(sensor.range_m - view.farthest_m, view.nearest_m - sensor.min_range_m);
 }
 
 }  // namespace hymm::core

@@ -79,8 +79,7 @@ double InformationEvaluator::gather(const LandmarkField& field, const Eigen::Vec
     candidate.index = index;
     candidate.offset = field.position(index) - place;
     candidate.view = viewRegion(candidate.offset, field.covariance(index), sensor.region_sigmas);
-    const double inside_m = std::min(sensor.range_m - candidate.view.farthest_m,
-                                     candidate.view.nearest_m - sensor.min_range_m);
+    const double inside_m = rangeMargin_m(candidate.view, sensor);
     margin_m = std::min(margin_m, std::abs(inside_m));
     if (inside_m < 0.0 || (hides_ && hides_(place, field.position(index)))) return;
     visible_.push_back(candidate);

@@ -67,13 +67,13 @@ TEST(CertainVisibility, NeedsTheWholeRegionWithinRange) {
   ExpectedSensor sensor;
   sensor.range_m = 15.0;
   const Matrix2d covariance = 0.01 * Matrix2d::Identity();  // region of 0.2 m
-  const auto isVisible = [&](double distance_m) {
-    return isWithinRange(viewRegion({distance_m, 0.0}, covariance, 2.0), sensor);
+  const auto margin_m = [&](double distance_m) {
+    return rangeMargin_m(viewRegion({distance_m, 0.0}, covariance, 2.0), sensor);
   };
-  EXPECT_TRUE(isVisible(14.79));
-  EXPECT_FALSE(isVisible(14.81));
-  EXPECT_TRUE(isVisible(1.21));
-  EXPECT_FALSE(isVisible(1.19));
+  EXPECT_NEAR(margin_m(14.79), 15.0 - std::hypot(14.99, 0.2), 1e-9) << "the box's far corner";
+  EXPECT_LT(margin_m(14.81), 0.0);
+  EXPECT_NEAR(margin_m(1.21), 0.01, 1e-9);
+  EXPECT_NEAR(margin_m(1.19), -0.01, 1e-9);
 }
 
 }  // namespace
