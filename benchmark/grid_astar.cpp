@@ -23,11 +23,6 @@ GridAStar::GridAStar(int cells, double resolution_m)
   }
 }
 
-bool GridAStar::isBlocked(const Eigen::Vector2d& place) const {
-  const Eigen::Vector2i cell = (place / resolution_m_).cast<int>();
-  return blocked_[indexOf(cell.x(), cell.y())] != 0;
-}
-
 double GridAStar::find(const Eigen::Vector2d& start, const Eigen::Vector2d& goal) {
   const Eigen::Vector2i from = (start / resolution_m_).cast<int>();
   const Eigen::Vector2i to = (goal / resolution_m_).cast<int>();

@@ -16,9 +16,6 @@ class GridAStar {
   GridAStar(int cells, double resolution_m);
 
   void block(int x, int y) { blocked_[indexOf(x, y)] = 1; }
-  bool isBlocked(const Eigen::Vector2d& place) const;
-  double resolution_m() const { return resolution_m_; }
-  int cells() const { return cells_; }
 
   /// Length of the way [m], or infinity.
   double find(const Eigen::Vector2d& start, const Eigen::Vector2d& goal);

@@ -157,7 +157,7 @@ struct Dubins : CarSpace::Space {
 }  // namespace
 
 CarSpace::CarSpace(double turning_radius_m, bool can_reverse)
-    : turning_radius_m_(turning_radius_m), can_reverse_(can_reverse) {
+    : turning_radius_m_(turning_radius_m) {
   ompl::msg::noOutputHandler();
   if (can_reverse) {
     space_ = std::make_unique<ReedsShepp>(turning_radius_m);

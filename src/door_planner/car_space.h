@@ -21,7 +21,6 @@ class CarSpace {
   ~CarSpace();
 
   double turningRadius_m() const { return turning_radius_m_; }
-  bool canReverse() const { return can_reverse_; }
 
   /// The shortest way where nothing is in it. Without pieces if both poses are the same.
   CarCurve shortest(const Pose2& from, const Pose2& to) const;
@@ -47,7 +46,6 @@ class CarSpace {
 
  private:
   double turning_radius_m_;
-  bool can_reverse_;
   std::unique_ptr<Space> space_;
 };
 

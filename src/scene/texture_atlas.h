@@ -20,7 +20,6 @@ class TextureAtlas {
  public:
   explicit TextureAtlas(int page_size) : page_size_(page_size) {}
 
-  int pageSize() const { return page_size_; }
   int pages() const { return static_cast<int>(pages_.size()); }
 
   /// Throws std::length_error if the image is larger than a page or has no pixels.
