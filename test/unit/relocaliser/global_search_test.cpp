@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 #include <vector>
@@ -8,11 +7,11 @@
 
 #include "relocaliser/neighbourhoods.h"
 #include "relocaliser/place_search.h"
+#include "tree_stand.h"
 
 namespace hymm::core {
 namespace {
 
-constexpr double kScanPeriod_s = 0.2;
 constexpr double kSpeed_mps = 4.0;
 
 /// Trees strewn over 200 m x 60 m, each known to 5 cm.
@@ -30,27 +29,6 @@ JointLandmarks wood() {
   return landmarks;
 }
 
-VehicleConfig vehicle() {
-  VehicleConfig config;
-  config.laser = {2.0, 0.3, 0.0};
-  return config;
-}
-
-ObservationSet seenFrom(const Pose2& T_map_base, const JointLandmarks& landmarks, double time_s) {
-  ObservationSet set{time_s, vehicle().laser.T_base_sensor(), {}};
-  for (Eigen::Index row = 0; row < landmarks.mean.size(); row += 2) {
-    const Eigen::Vector2d p =
-        inverse(T_map_base * set.T_base_sensor) * landmarks.mean.segment<2>(row);
-    if (p.norm() > 25.0 || p.x() < 0.0) continue;
-    Observation observation;
-    observation.range_m = p.norm();
-    observation.bearing_rad = std::atan2(p.y(), p.x());
-    observation.covariance = Eigen::Vector2d(0.0025, 0.000025).asDiagonal();
-    set.observations.push_back(observation);
-  }
-  return set;
-}
-
 std::vector<LandmarkEstimate> estimates(const JointLandmarks& landmarks) {
   std::vector<LandmarkEstimate> estimates;
   for (std::size_t i = 0; i < landmarks.ids.size(); ++i) {
@@ -60,6 +38,10 @@ std::vector<LandmarkEstimate> estimates(const JointLandmarks& landmarks) {
     estimates.push_back(estimate);
   }
   return estimates;
+}
+
+ObservationSet seenFrom(const Pose2& T_map_base, const JointLandmarks& landmarks, double time_s) {
+  return seenFrom(T_map_base, estimates(landmarks), time_s);
 }
 
 std::vector<LocalMap> neighbourhoods(const JointLandmarks& landmarks, double spacing_m) {

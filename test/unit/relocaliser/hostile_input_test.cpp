@@ -2,41 +2,13 @@
 
 #include <cmath>
 #include <optional>
-#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "relocaliser/relocaliser.h"
+#include "tree_stand.h"
 
 namespace hymm::core {
 namespace {
-
-constexpr double kScanPeriod_s = 0.2;
-
-VehicleConfig vehicle() {
-  VehicleConfig config;
-  config.laser = {2.0, 0.3, 0.0};
-  return config;
-}
-
-LocalMap stand() {
-  LocalMap map;
-  const std::vector<Eigen::Vector2d> places{{8, 5},   {12, -6}, {17, 3},  {21, -9}, {26, 7},
-                                            {33, -4}, {38, 9},  {44, -7}, {50, 4},  {57, -5}};
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    map.landmarks.push_back({static_cast<int>(i), places[i], 0.0025 * Eigen::Matrix2d::Identity()});
-  }
-  map.vehicle.covariance = Eigen::Vector3d(4.0, 4.0, 0.01).asDiagonal();
-  return map;
-}
-
-Observation observed(double range_m, double bearing_rad) {
-  Observation observation;
-  observation.range_m = range_m;
-  observation.bearing_rad = bearing_rad;
-  observation.covariance = Eigen::Vector2d(0.0025, 0.000025).asDiagonal();
-  return observation;
-}
 
 /// A vehicle in a world that the search knows, which moves or stands.
 class Drive {
@@ -44,15 +16,7 @@ class Drive {
   explicit Drive(Relocaliser& relocaliser) : relocaliser_(relocaliser) {}
 
   ObservationSet emptySet() const { return {time_s_, vehicle().laser.T_base_sensor(), {}}; }
-  ObservationSet view() const {
-    ObservationSet set = emptySet();
-    for (const LocalLandmark& landmark : stand().landmarks) {
-      const Eigen::Vector2d p = inverse(pose_ * set.T_base_sensor) * landmark.position;
-      const Observation observation = observed(p.norm(), std::atan2(p.y(), p.x()));
-      if (p.norm() < 25.0 && p.x() > 0.0) set.observations.push_back(observation);
-    }
-    return set;
-  }
+  ObservationSet view() const { return seenFrom(pose_, stand().landmarks, time_s_); }
   void move(double speed_mps) {
     relocaliser_.process(TwistInput{time_s_, speed_mps, 0.0, 0.0, std::nullopt});
     time_s_ += kScanPeriod_s;

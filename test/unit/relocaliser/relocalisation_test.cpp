@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "support/shipped_config.h"
+#include "tree_stand.h"
 
 namespace hymm::core {
 namespace {
@@ -16,7 +17,6 @@ using ::testing::Field;
 using ::testing::Gt;
 using ::testing::HasSubstr;
 
-constexpr double kScanPeriod_s = 0.2;
 constexpr double kSpeed_mps = 4.0;
 constexpr double kDoubtBegins_s = 2.0;
 
@@ -78,27 +78,7 @@ class StandingFilter : public FilterLink {
 class RelocalisationTest : public ::testing::Test {
  protected:
   explicit RelocalisationTest(const RelocaliserConfig& search = {})
-      : relocalisation_(search, config(), filter_) {}
-
-  static VehicleConfig config() {
-    VehicleConfig config;
-    config.laser = {2.0, 0.3, 0.0};
-    return config;
-  }
-
-  ObservationSet seen() const {
-    ObservationSet set{time_s_, config().laser.T_base_sensor(), {}};
-    for (const LandmarkEstimate& landmark : filter_.known) {
-      const Eigen::Vector2d p = inverse(pose_ * set.T_base_sensor) * landmark.position;
-      Observation observation;
-      observation.range_m = p.norm();
-      observation.bearing_rad = std::atan2(p.y(), p.x());
-      if (observation.range_m > 25.0 || std::abs(observation.bearing_rad) > kPi / 2.0) continue;
-      observation.covariance = Eigen::Vector2d(0.0025, 0.000025).asDiagonal();
-      set.observations.push_back(observation);
-    }
-    return set;
-  }
+      : relocalisation_(search, vehicle(), filter_) {}
 
   /// The filter has the vehicle `error_` beside where it is.
   const SearchReport& scan() {
@@ -119,7 +99,7 @@ class RelocalisationTest : public ::testing::Test {
       filter_.vehicle.mean = estimate.T_map_base;
       good_s_ = time_s_;
     }
-    relocalisation_.take(seen(), estimate);
+    relocalisation_.take(seenFrom(pose_, filter_.known, time_s_), estimate);
   }
 
   const SearchReport& workOff() {

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "relocaliser/visible_landmarks.h"
+#include "tree_stand.h"
 
 namespace hymm::core {
 namespace {
@@ -14,26 +15,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr double kScanPeriod_s = 0.2;
 constexpr double kSpeed_mps = 4.0;
-
-VehicleConfig vehicle() {
-  VehicleConfig config;
-  config.laser = {2.0, 0.3, 0.0};
-  return config;
-}
-
-/// An irregular stand of trees.
-LocalMap stand() {
-  LocalMap map;
-  const std::vector<Eigen::Vector2d> places{{8, 5},   {12, -6}, {17, 3},  {21, -9}, {26, 7},
-                                            {33, -4}, {38, 9},  {44, -7}, {50, 4},  {57, -5}};
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    map.landmarks.push_back({static_cast<int>(i), places[i], 0.0025 * Eigen::Matrix2d::Identity()});
-  }
-  map.vehicle.covariance = Eigen::Vector3d(4.0, 4.0, 0.01).asDiagonal();
-  return map;
-}
 
 /// Two rows of trees that look alike wherever one stands.
 LocalMap avenue() {
@@ -48,20 +30,6 @@ LocalMap avenue() {
   return map;
 }
 
-ObservationSet seenFrom(const Pose2& T_local_base, const LocalMap& map, double time_s) {
-  ObservationSet set{time_s, vehicle().laser.T_base_sensor(), {}};
-  for (const LocalLandmark& landmark : map.landmarks) {
-    const Eigen::Vector2d p = inverse(T_local_base * set.T_base_sensor) * landmark.position;
-    Observation observation;
-    observation.range_m = p.norm();
-    observation.bearing_rad = std::atan2(p.y(), p.x());
-    if (observation.range_m > 25.0 || std::abs(observation.bearing_rad) > kPi / 2.0) continue;
-    observation.covariance = Eigen::Vector2d(0.0025, 0.000025).asDiagonal();
-    set.observations.push_back(observation);
-  }
-  return set;
-}
-
 /// Drives straight on through `world`, which may be another than the relocaliser's map.
 class Drive {
  public:
@@ -72,7 +40,7 @@ class Drive {
     relocaliser_.process(TwistInput{time_s_, kSpeed_mps, 0.0, 0.0, std::nullopt});
     time_s_ += kScanPeriod_s;
     pose_ = pose_ * Pose2{kSpeed_mps * kScanPeriod_s, 0.0, 0.0};
-    return relocaliser_.process(seenFrom(pose_, world_, time_s_));
+    return relocaliser_.process(seenFrom(pose_, world_.landmarks, time_s_));
   }
   const Pose2& pose() const { return pose_; }
 
@@ -98,7 +66,7 @@ TEST(HelicalRegion, SeesTheLandmarkWhereItWasObserved) {
 
 TEST(HelicalRegion, StaysWithinThePriorAndTheHeadings) {
   const LocalMap map = stand();
-  const auto points = observedPoints(seenFrom({1.0, 1.0, 0.1}, map, 0.0), 0.15);
+  const auto points = observedPoints(seenFrom({1.0, 1.0, 0.1}, map.landmarks, 0.0), 0.15);
   const DensityMap density(map.landmarks, points, 1000.0, {});
   RandomGenerator generator(1);
   const HelicalRegions regions{map.landmarks, points, {0.0, 0.2}, map.vehicle, 2.0};
@@ -196,17 +164,17 @@ TEST(Relocaliser, NeverAcceptsAPlaceThatDoesNotLookLikeTheMap) {
 
 TEST(Relocaliser, StaysSilentBeforeItIsBegun) {
   Relocaliser relocaliser = makeRelocaliser();
-  EXPECT_FALSE(relocaliser.process(seenFrom({}, stand(), 1.0)));
+  EXPECT_FALSE(relocaliser.process(seenFrom({}, stand().landmarks, 1.0)));
 }
 
 TEST(Relocaliser, WaitsForAScanThatShowsEnough) {
   Relocaliser relocaliser = makeRelocaliser();
   relocaliser.begin(stand(), 0.0);
-  ObservationSet poor = seenFrom({}, stand(), 1.0);
+  ObservationSet poor = seenFrom({}, stand().landmarks, 1.0);
   poor.observations.resize(2);
   EXPECT_FALSE(relocaliser.process(poor));
   EXPECT_EQ(relocaliser.counts().poor_scans, 1U);
-  EXPECT_TRUE(relocaliser.process(seenFrom({}, stand(), 1.2)));
+  EXPECT_TRUE(relocaliser.process(seenFrom({}, stand().landmarks, 1.2)));
 }
 
 TEST(Relocaliser, SaysSoWhenNoPlaceExplainsTheScan) {
@@ -214,7 +182,7 @@ TEST(Relocaliser, SaysSoWhenNoPlaceExplainsTheScan) {
   map.vehicle.mean = {500.0, 500.0, 0.0};
   Relocaliser relocaliser = makeRelocaliser();
   relocaliser.begin(map, 0.0);
-  const auto outcome = relocaliser.process(seenFrom({}, stand(), 1.0));
+  const auto outcome = relocaliser.process(seenFrom({}, stand().landmarks, 1.0));
   ASSERT_TRUE(outcome);
   EXPECT_EQ(outcome->particles, 0U);
   EXPECT_THAT(outcome->doubt, HasSubstr("no particle"));
@@ -226,8 +194,8 @@ TEST(Relocaliser, RefusesScansAndMotionThatDoNotAdvance) {
   EXPECT_TRUE(relocaliser.process(TwistInput{0.5, 1.0, 0.0, 0.0, std::nullopt}));
   EXPECT_FALSE(relocaliser.process(TwistInput{0.5, 1.0, 0.0, 0.0, std::nullopt}));
   EXPECT_FALSE(relocaliser.process(TwistInput{0.6, std::nan(""), 0.0, 0.0, std::nullopt}));
-  EXPECT_TRUE(relocaliser.process(seenFrom({}, stand(), 1.0)));
-  EXPECT_FALSE(relocaliser.process(seenFrom({}, stand(), 1.0)));
+  EXPECT_TRUE(relocaliser.process(seenFrom({}, stand().landmarks, 1.0)));
+  EXPECT_FALSE(relocaliser.process(seenFrom({}, stand().landmarks, 1.0)));
   EXPECT_EQ(relocaliser.counts().refused_motion, 2U);
   EXPECT_EQ(relocaliser.counts().refused_scans, 1U);
 }
@@ -235,7 +203,7 @@ TEST(Relocaliser, RefusesScansAndMotionThatDoNotAdvance) {
 TEST(Relocaliser, LeavesOutObservationsThatAreNotFinite) {
   Relocaliser relocaliser = makeRelocaliser();
   relocaliser.begin(stand(), 0.0);
-  ObservationSet set = seenFrom({}, stand(), 1.0);
+  ObservationSet set = seenFrom({}, stand().landmarks, 1.0);
   const std::size_t good = set.observations.size();
   set.observations.push_back(set.observations.front());
   set.observations.back().range_m = std::nan("");
