@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -152,10 +154,14 @@ TEST(CekfSlam, KeepsItsStateWhenTheVehicleTeleports) {
   EXPECT_TRUE(slam.pose().covariance.allFinite());
 }
 
+struct Turn {
+  std::optional<ScanOutcome> outcome;
+  std::size_t slips = 0;
+};
+
 /// A robot that knows three landmarks and has turned by `turn_rad` in 0.1 s without its wheels'
 /// saying so; its yaw's deviation is 0.02 rad by what they claim.
-std::optional<ScanOutcome> turnedUnnoticed(double turn_rad, double slip_probability,
-                                           CekfSlam::Counts* counts = nullptr) {
+Turn turnedUnnoticed(double turn_rad, double slip_probability) {
   CekfSlamConfig config;
   config.slip.probability = slip_probability;
   VehicleConfig vehicle;
@@ -169,37 +175,28 @@ std::optional<ScanOutcome> turnedUnnoticed(double turn_rad, double slip_probabil
   ObservationSet turned = threeLandmarks(1.0);
   for (Observation& observation : turned.observations) observation.bearing_rad -= turn_rad;
   std::optional<ScanOutcome> outcome = slam.process(turned);
-  if (counts != nullptr) *counts = slam.counts();
-  return outcome;
+  return {std::move(outcome), slam.counts().slips};
 }
 
 TEST(CekfSlam, TakesItsMotionForWorseWhereThatExplainsAScan) {
-  CekfSlam::Counts counts;
-  const auto followed = turnedUnnoticed(0.15, 0.001, &counts);
-  ASSERT_TRUE(followed);
-  EXPECT_EQ(counts.slips, 1U);
-  EXPECT_EQ(followed->health.dof, 6);
-  EXPECT_NEAR(followed->pose.T_map_base.yaw_rad, 0.15, 0.02);
-  const auto lost = turnedUnnoticed(0.15, 0.0, &counts);
-  ASSERT_TRUE(lost);
-  EXPECT_EQ(counts.slips, 0U);
-  EXPECT_EQ(lost->health.dof, 0);
+  const Turn followed = turnedUnnoticed(0.15, 0.001);
+  ASSERT_TRUE(followed.outcome);
+  EXPECT_EQ(followed.slips, 1U);
+  EXPECT_EQ(followed.outcome->health.dof, 6);
+  EXPECT_NEAR(followed.outcome->pose.T_map_base.yaw_rad, 0.15, 0.02);
+  const Turn lost = turnedUnnoticed(0.15, 0.0);
+  ASSERT_TRUE(lost.outcome);
+  EXPECT_EQ(lost.slips, 0U);
+  EXPECT_EQ(lost.outcome->health.dof, 0);
 }
 
-TEST(CekfSlam, TrustsItsMotionWhereThatExplainsAScan) {
-  CekfSlam::Counts counts;
-  const auto outcome = turnedUnnoticed(0.03, 0.001, &counts);
-  ASSERT_TRUE(outcome);
-  EXPECT_EQ(counts.slips, 0U);
-  EXPECT_EQ(outcome->health.dof, 6);
-}
-
-TEST(CekfSlam, DoesNotTakeItsMotionForAnything) {
-  CekfSlam::Counts counts;
-  const auto outcome = turnedUnnoticed(0.6, 0.001, &counts);
-  ASSERT_TRUE(outcome);
-  EXPECT_EQ(counts.slips, 0U);
-  EXPECT_EQ(outcome->health.dof, 0);
+TEST(CekfSlam, TakesNoSlipWhereItsMotionExplainsAScanOrNothingDoes) {
+  for (const auto& [turn_rad, dof] : {std::pair(0.03, 6), std::pair(0.6, 0)}) {
+    const Turn turn = turnedUnnoticed(turn_rad, 0.001);
+    ASSERT_TRUE(turn.outcome);
+    EXPECT_EQ(turn.slips, 0U) << turn_rad;
+    EXPECT_EQ(turn.outcome->health.dof, dof) << turn_rad;
+  }
 }
 
 TEST(CekfSlam, FollowsIdentitiesThroughLargeErrors) {
