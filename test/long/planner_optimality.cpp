@@ -213,57 +213,68 @@ void draw(const std::string& folder, std::uint64_t seed, const RandomWorld& worl
   }
 }
 
-void run(std::uint64_t seed, const std::string& folder) {
-  RandomWorld world(seed);
-  const test::SquareMesh mesh(5, 5, 14.0, kResolution_m, 2.0, seed);
-  DoorPlannerConfig config;
-  config.outside_is_occupied = false;  // the grid that it is compared with has no border either
-  config.cost.properties = "roughness 0.5";
-  DoorPlanner planner(config);
-  // The mesh reaches beyond the world on all sides.
+/// A mesh that reaches beyond the world on all sides.
+test::SquareMesh meshOver(std::uint64_t seed) {
+  test::SquareMesh mesh(5, 5, 14.0, kResolution_m, 2.0, seed);
   test::Landmarks shifted;
-  test::SquareMesh placed = mesh;
   for (const Vector2d& landmark : mesh.landmarks) shifted.push_back(landmark - Vector2d(5.0, 5.0));
-  placed.moveTo(shifted);
-  planner.setLtrs(placed.ltrs);
-  for (const LtrView& ltr : placed.ltrs) {
+  mesh.moveTo(shifted);
+  return mesh;
+}
+
+void show(const RandomWorld& world, const test::SquareMesh& mesh, DoorPlanner& planner) {
+  planner.setLtrs(mesh.ltrs);
+  for (const LtrView& ltr : mesh.ltrs) {
     LtrContent content =
         test::contentOf(ltr, [&](const Vector2d& p) { return world.occupancy(p); });
     content.properties["roughness"] =
         test::contentOf(ltr, [&](const Vector2d& p) { return world.roughness(p); }).occupancy;
     planner.setContent(ltr.id, content);
   }
-  using Clock = std::chrono::steady_clock;
-  const auto begin = Clock::now();
-  planner.prepare(Vector2d::Zero());
-  const auto prepared = Clock::now();
+}
+
+/// At a centre of the fine grid, so that it is free in both searches or in neither.
+Vector2d drawFreePlace(const DoorGraph& graph, double low, double high,
+                       RandomGenerator& generator) {
+  Vector2d place;
+  do {
+    place.x() = sampleUniform(generator, low, high);
+    place.y() = sampleUniform(generator, 3.0, kExtent_m - 3.0);
+    place = kFine_m * ((place / kFine_m).array().floor().matrix() + Vector2d(0.5, 0.5));
+  } while (FineGrid::costAt(graph, place) == kInfinite);
+  return place;
+}
+
+template <class Work>
+double wallTime_ms(Work&& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
+      .count();
+}
+
+void run(std::uint64_t seed, const std::string& folder) {
+  RandomWorld world(seed);
+  const test::SquareMesh mesh = meshOver(seed);
+  DoorPlannerConfig config;
+  config.outside_is_occupied = false;  // the grid that it is compared with has no border either
+  config.cost.properties = "roughness 0.5";
+  DoorPlanner planner(config);
+  show(world, mesh, planner);
+  const double preparation_ms = wallTime_ms([&] { planner.prepare(Vector2d::Zero()); });
   const std::shared_ptr<const DoorGraph> graph = planner.graph();
   PlanRequest request;
-  const auto freePlace = [&](double low, double high) {
-    Vector2d place;
-    do {
-      place.x() = sampleUniform(world.generator, low, high);
-      place.y() = sampleUniform(world.generator, 3.0, kExtent_m - 3.0);
-      // A centre of the fine grid, so that it is free in both searches or in neither.
-      place = kFine_m * ((place / kFine_m).array().floor().matrix() + Vector2d(0.5, 0.5));
-    } while (FineGrid::costAt(*graph, place) == kInfinite);
-    return place;
-  };
-  request.start = freePlace(3.0, 15.0);
-  request.goal = freePlace(45.0, 57.0);
-  const auto asked = Clock::now();
-  const Plan plan = planner.plan(request);
-  const auto answered = Clock::now();
+  request.start = drawFreePlace(*graph, 3.0, 15.0, world.generator);
+  request.goal = drawFreePlace(*graph, 45.0, 57.0, world.generator);
+  Plan plan;
+  const double query_ms = wallTime_ms([&] { plan = planner.plan(request); });
   std::vector<Vector2d> reference;
   const double optimum = FineGrid(*graph).search(request.start, request.goal, reference);
-  const auto ms = [](Clock::duration d) {
-    return std::chrono::duration<double, std::milli>(d).count();
-  };
   std::printf("%llu,%s,%.6f,%.6f,%.3f,%.3f,%zu\n", static_cast<unsigned long long>(seed),
               nameOf(plan.status).c_str(), plan.ok() ? plan.cost : -1.0,
-              optimum < kInfinite ? optimum : -1.0, ms(answered - asked),
-              ms(prepared - begin) / static_cast<double>(placed.ltrs.size()), plan.doors.size());
-  if (!folder.empty()) draw(folder, seed, world, placed, *graph, plan, reference);
+              optimum < kInfinite ? optimum : -1.0, query_ms,
+              preparation_ms / static_cast<double>(mesh.ltrs.size()), plan.doors.size());
+  if (!folder.empty()) draw(folder, seed, world, mesh, *graph, plan, reference);
 }
 
 }  // namespace
