@@ -10,92 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "cekf/cekf_slam.h"
-#include "support/loop_drive.h"
+#include "recorded_loop.h"
 
 namespace hymm::core {
 namespace {
-
-constexpr double kRing_s = 6.0;  // 12 scans
-constexpr std::uint64_t kSeed = 5;
-
-/// A drive as it was recorded.
-struct Recording {
-  std::vector<SensorEvent> events;
-  std::vector<PlaceAtScan> truth;  ///< at the scans
-};
-
-Recording record(int scans, bool identities = false) {
-  test::LoopDrive drive(kSeed, identities);
-  Recording recording;
-  for (int i = 0; i < scans; ++i) {
-    const auto events = drive.next();
-    recording.events.insert(recording.events.end(), events.begin(), events.end());
-    recording.truth.push_back({drive.time_s(), drive.truth()});
-  }
-  return recording;
-}
-
-CekfSlamConfig config() {
-  CekfSlamConfig config;
-  config.motion_input = "odom";
-  config.active_area.cell_m = 15.0;
-  return config;
-}
-
-CekfSlam newSlam(double kept_s = kRing_s, const CekfSlamConfig& config = core::config()) {
-  CekfSlam slam(config, VehicleConfig{});
-  slam.keepLocalStates(kept_s);
-  return slam;
-}
-
-void feed(CekfSlam& slam, const Recording& recording, double from_s, double to_s) {
-  for (const SensorEvent& event : recording.events) {
-    if (timeOf(event) > from_s && timeOf(event) <= to_s) slam.process(event);
-  }
-}
-
-/// Vehicle and all landmarks as one Gaussian.
-struct Joint {
-  std::vector<int> ids;
-  Eigen::VectorXd mean;
-  Eigen::MatrixXd covariance;
-};
-
-Joint jointOf(CekfSlam& slam) {
-  std::vector<int> ids;
-  for (const auto& landmark : slam.landmarkMap(0.0).landmarks) ids.push_back(landmark.id);
-  Joint joint;
-  EXPECT_TRUE(slam.requestVehicleAmongLandmarks(ids, [&](const VehicleAmongLandmarks& estimate) {
-    const Eigen::Index n = estimate.landmarks.mean.size();
-    joint.ids = ids;
-    joint.mean.resize(3 + n);
-    joint.mean << estimate.vehicle.mean.vector(), estimate.landmarks.mean;
-    joint.covariance.resize(3 + n, 3 + n);
-    joint.covariance << estimate.vehicle.covariance, estimate.cross_covariance,
-        estimate.cross_covariance.transpose(), estimate.landmarks.covariance;
-  }));
-  return joint;
-}
-
-/// Largest difference in units of the first one's deviations.
-double difference(const Joint& a, const Joint& b) {
-  if (a.ids != b.ids) return std::numeric_limits<double>::infinity();
-  const Eigen::ArrayXd sigma = a.covariance.diagonal().cwiseSqrt();
-  const Eigen::ArrayXXd units = (sigma.matrix() * sigma.matrix().transpose()).array();
-  return std::max(((a.mean - b.mean).array() / sigma).abs().maxCoeff(),
-                  ((a.covariance - b.covariance).array() / units).abs().maxCoeff());
-}
-
-constexpr double kEnd_s = 90.0, kT0_s = 76.0;  // the loop closes from 80 s on
-
-TEST(Resumption, TheRingChangesNothing) {
-  const Recording recording = record(180);
-  CekfSlam with = newSlam(), without = newSlam(0.0);
-  feed(with, recording, -1.0, kEnd_s);
-  feed(without, recording, -1.0, kEnd_s);
-  EXPECT_GT(with.counts().global_updates, 3U);
-  EXPECT_LT(difference(jointOf(without), jointOf(with)), 1e-7);
-}
 
 TEST(Resumption, VehicleAmongLandmarksIsOneGaussian) {
   const Recording recording = record(180);
@@ -107,34 +25,6 @@ TEST(Resumption, VehicleAmongLandmarksIsOneGaussian) {
   EXPECT_GE(solver.eigenvalues().minCoeff(), -1e-9 * solver.eigenvalues().maxCoeff());
   EXPECT_GT(joint.covariance.topRightCorner(3, 2 * 20).norm(), 0.0);
   EXPECT_FALSE(slam.requestVehicleAmongLandmarks({9999}, [](const VehicleAmongLandmarks&) {}));
-}
-
-/// The filter after all of the recording and back at a scan, and one that ends there.
-std::pair<Joint, Joint> backAndThere(const CekfSlamConfig& config, double time_s) {
-  const Recording recording = record(180);
-  CekfSlam slam = newSlam(kRing_s, config), there = newSlam(kRing_s, config);
-  feed(slam, recording, -1.0, kEnd_s);
-  feed(there, recording, -1.0, time_s);
-  EXPECT_TRUE(slam.suspend(time_s)) << time_s;
-  return {jointOf(slam), jointOf(there)};
-}
-
-TEST(Resumption, GoesBackToAnyScanOfTheRingToTheBit) {
-  CekfSlamConfig one_area = config();
-  one_area.active_area.cell_m = 200.0;
-  for (double back_s = 0.5; back_s <= kRing_s - 0.5; back_s += 0.5) {
-    const auto [back, there] = backAndThere(one_area, kEnd_s - back_s);
-    EXPECT_EQ(back.ids, there.ids);
-    EXPECT_TRUE(back.mean == there.mean) << back_s;
-    EXPECT_TRUE(back.covariance == there.covariance) << back_s;
-  }
-}
-
-TEST(Resumption, GoesBackAcrossGlobalUpdates) {
-  for (double back_s = 0.5; back_s <= kRing_s - 0.5; back_s += 0.5) {
-    const auto [back, there] = backAndThere(config(), kEnd_s - back_s);
-    EXPECT_LT(difference(back, there), 1e-11) << back_s;  // one rounds what it has carried out
-  }
 }
 
 TEST(Resumption, WaitsWithThePoseCarriedOnByTheMotion) {
@@ -295,17 +185,6 @@ TEST(Resumption, WithoutClosingGoesOnByDeadReckoning) {
   EXPECT_GT(slam.counts().associated, 0U);
 }
 
-TEST(Resumption, KeepsTheScansUpToWhereItWaits) {
-  const Recording recording = record(180);
-  CekfSlam slam = newSlam();
-  feed(slam, recording, -1.0, 80.0);
-  ASSERT_TRUE(slam.suspend(78.0));
-  feed(slam, recording, 80.0, 85.0);
-  ASSERT_EQ(slam.localStates()->newest_s, 78.0);
-  EXPECT_TRUE(slam.resumeWithoutClosing(slam.localStates()->newest_s).accepted());
-  EXPECT_FALSE(slam.isSuspended());
-}
-
 TEST(Resumption, GivesOutNoIdTwice) {
   const Recording recording = record(200);
   CekfSlam slam = newSlam(kRing_s);
@@ -324,89 +203,6 @@ TEST(Resumption, GivesOutNoIdTwice) {
   }
   EXPECT_FALSE(fresh.empty());
   for (const int removed : slam.takeUpdate().removed_ids) EXPECT_LE(removed, highest);
-}
-
-TEST(Resumption, KeepsScansForAsLongAsItWasTold) {
-  const Recording recording = record(100);
-  CekfSlam slam = newSlam();
-  EXPECT_FALSE(slam.localStates());
-  EXPECT_FALSE(slam.suspend(10.0));
-  feed(slam, recording, -1.0, 50.0);
-  ASSERT_TRUE(slam.localStates());
-  EXPECT_LE(slam.localStates()->oldest_s, 50.0 - kRing_s);
-  EXPECT_GE(slam.localStates()->oldest_s, 50.0 - 1.25 * kRing_s - 0.5);
-  EXPECT_EQ(slam.localStates()->newest_s, 50.0);
-  EXPECT_FALSE(slam.suspend(50.0 - 2.0 * kRing_s));
-  EXPECT_FALSE(slam.suspend(49.75));  // no scan
-  EXPECT_EQ(slam.counts().forgotten_states, 0U);
-  slam.reset();
-  EXPECT_FALSE(slam.localStates());
-}
-
-/// Of a sensor that is faster, more scans are kept, and no more memories.
-TEST(Resumption, KeepsTheSameTimeWhateverTheSensorsRate) {
-  const Recording recording = record(100);
-  CekfSlam slow = newSlam(), fast = newSlam();
-  feed(slow, recording, -1.0, 50.0);
-  for (const SensorEvent& event : recording.events) {
-    fast.process(event);
-    const auto* set = std::get_if<ObservationSet>(&event);
-    for (int i = 1; set != nullptr && i < 4; ++i) {  // three more scans after each
-      ObservationSet empty;
-      empty.time_s = set->time_s + 0.1 * i;
-      fast.process(empty);
-    }
-    if (timeOf(event) >= 50.0 && set != nullptr) break;
-  }
-  EXPECT_NEAR(fast.localStates()->oldest_s, slow.localStates()->oldest_s, 0.5);
-  EXPECT_GT(fast.localStates()->scans, 3 * slow.localStates()->scans);
-  EXPECT_TRUE(fast.suspend(50.0 - kRing_s));
-}
-
-/// The last scan before a gap can still be gone back to.
-TEST(Resumption, KeepsWhatWasBeforeAGap) {
-  const Recording recording = record(100);
-  CekfSlam slam = newSlam();
-  feed(slam, recording, -1.0, 20.0);
-  feed(slam, recording, 40.0, 42.0);
-  EXPECT_TRUE(slam.suspend(20.0));
-}
-
-TEST(Resumption, ReadingTheMapReleasesNothing) {
-  const Recording recording = record(180);
-  CekfSlam slam = newSlam(), read = newSlam();
-  std::size_t updates_pending = 0;
-  for (const SensorEvent& event : recording.events) {
-    if (timeOf(event) > kEnd_s) break;
-    slam.process(event);
-    if (!read.process(event)) continue;
-    const bool was_pending = read.isGlobalUpdatePending();
-    EXPECT_FALSE(read.landmarkMap(30.0).landmarks.empty() && read.landmarkCount() > 0);
-    EXPECT_EQ(read.isGlobalUpdatePending(), was_pending);
-    updates_pending += was_pending ? 1U : 0U;
-  }
-  EXPECT_GT(updates_pending, 10U);
-  EXPECT_EQ(read.counts().forgotten_states, 0U);
-  ASSERT_EQ(read.localStates()->oldest_s, slam.localStates()->oldest_s);
-  const double oldest_s = slam.localStates()->oldest_s;
-  ASSERT_TRUE(slam.suspend(oldest_s));
-  ASSERT_TRUE(read.suspend(oldest_s));
-  const Joint a = jointOf(slam), b = jointOf(read);
-  EXPECT_EQ(a.ids, b.ids);
-  EXPECT_TRUE(a.mean == b.mean);
-  EXPECT_TRUE(a.covariance == b.covariance);
-}
-
-TEST(Resumption, GivesUpTheOldestScansWhenTheActivePartIsFull) {
-  const Recording recording = record(100);
-  CekfSlamConfig small = config();
-  small.active_area.max_origin_states = 10;
-  CekfSlam slam = newSlam(20.0, small);
-  feed(slam, recording, -1.0, 50.0);
-  EXPECT_GT(slam.counts().forgotten_states, 0U);
-  ASSERT_TRUE(slam.localStates());
-  EXPECT_FALSE(slam.suspend(slam.localStates()->oldest_s - 0.5));
-  EXPECT_TRUE(slam.suspend(slam.localStates()->oldest_s));
 }
 
 }  // namespace
