@@ -45,6 +45,7 @@ Eigen::Matrix3d CekfSlam::calibrationCovariance() const {
   return impl_->slam.calibrationCovariance();
 }
 LaserCalibration CekfSlam::laserCalibration() const { return impl_->slam.laserCalibration(); }
+Eigen::Vector2d CekfSlam::motionNoiseFactors() const { return impl_->slam.motionNoiseFactors(); }
 std::uint64_t CekfSlam::mapVersion() const { return impl_->slam.version(); }
 std::size_t CekfSlam::landmarkCount() const { return impl_->slam.landmarkCount(); }
 bool CekfSlam::hasLandmark(int id) const { return impl_->slam.hasLandmark(id); }

@@ -46,6 +46,7 @@ class CekfSlam {
     std::size_t rejected = 0;
     std::size_t bounded_associations = 0;  ///< scans too dense for association.max_nodes
     std::size_t slips = 0;                 ///< scans that only a worse motion explained
+    std::size_t noisy_scans = 0;  ///< after a motion with at least twice the claimed deviations
     std::size_t gps_used = 0;
     std::size_t gps_rejected = 0;
     std::size_t landmarks_created = 0;
@@ -58,6 +59,7 @@ class CekfSlam {
     std::size_t map_corrections =
         0;  ///< scans that moved an active landmark by over large_correction_m
     std::size_t iterated_updates = 0;
+    std::size_t diverged_updates = 0;     ///< of these, that were refused for it
     std::size_t resets = 0;               ///< maps that were begun anew or loaded
     std::size_t resumed = 0;              ///< returns that were accepted, closing or not
     std::size_t refused_resumptions = 0;  ///< of either kind
@@ -92,6 +94,9 @@ class CekfSlam {
   Calibration calibration() const;
   Eigen::Matrix3d calibrationCovariance() const;
   LaserCalibration laserCalibration() const;
+  /// How much larger the variances of the motion (translation, rotation) are than the vehicle's
+  /// configuration claims, as innovations tell; at least 1.
+  Eigen::Vector2d motionNoiseFactors() const;
   std::uint64_t mapVersion() const;
   std::size_t landmarkCount() const;
 

@@ -81,6 +81,15 @@ void SlipConfig::describe(ConfigSchema& schema) {
                 "never");
 }
 
+void MotionNoiseConfig::describe(ConfigSchema& schema) {
+  schema.number("doubt", doubt, Range::between(0.0, 10.0),
+                "share by which the deviations of the motion are larger than the vehicle's noise "
+                "claims, one time in six; innovations tell by how much they are; 0: the claims are "
+                "believed");
+  schema.number("memory_s", memory_s, Range::positive(),
+                "over which that may change: with the ground, the load, the tyres");
+}
+
 void LandmarkConfig::describe(ConfigSchema& schema) {
   schema.integer("promote_sightings", promote_sightings, Range::between(1, 100),
                  "scans that must see an object before it becomes a landmark");
@@ -185,6 +194,7 @@ void CekfSlamConfig::describe(ConfigSchema& schema) {
   schema.group("update", update);
   schema.group("association", association);
   schema.group("slip", slip);
+  schema.group("motion_noise", motion_noise);
   schema.group("landmarks", landmarks);
   schema.group("lasting_errors", lasting_errors);
   schema.group("resumption", resumption);

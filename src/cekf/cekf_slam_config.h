@@ -53,6 +53,14 @@ struct SlipConfig {
   void describe(ConfigSchema& schema);
 };
 
+/// How far the vehicle's configuration is believed about the noise of its motion.
+struct MotionNoiseConfig {
+  double doubt = 0.4;  ///< by which deviations are more than claimed, one time in six; 0: never
+  double memory_s = 120.0;  ///< over which that may change, with the ground or a load
+
+  void describe(ConfigSchema& schema);
+};
+
 /// How landmarks come and go.
 struct LandmarkConfig {
   int promote_sightings = 3;
@@ -121,6 +129,7 @@ struct CekfSlamConfig {
   UpdateConfig update;
   AssociationConfig association;
   SlipConfig slip;
+  MotionNoiseConfig motion_noise;
   LandmarkConfig landmarks;
   LastingErrorConfig lasting_errors;
   ResumptionConfig resumption;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -56,7 +57,18 @@ inline Eigen::Matrix<double, 2, 3> rigidMotion(const Eigen::Vector2d& arm) {
 struct UpdateOutcome {
   double nis = 0.0;  ///< normalised innovation squared; NaN: refused, and nothing changed
   double largest_landmark_move_m = 0.0;  ///< of the active landmarks
+  /// With innovations y of covariance S and their Jacobian H by the vehicle's states: H' S^-1 y,
+  /// and H' S^-1 H.
+  VehicleVector vehicle_score;
+  VehicleMatrix vehicle_information;
 };
+
+/// Of an update that is refused.
+inline UpdateOutcome refusedUpdate() {
+  UpdateOutcome outcome;
+  outcome.nis = std::numeric_limits<double>::quiet_NaN();
+  return outcome;
+}
 
 /// The compressed extended Kalman filter: an EKF over the vehicle's states and any number of
 /// two-dimensional landmarks, in which everything between two global updates costs time by the
@@ -285,6 +297,8 @@ class CompressedEkf {
 
   IntervalEffect effectSoFar() const;
   void updateVehicle(const Linearised& whitened, const Eigen::MatrixXd& Hphi);
+  void tellVehicle(const std::vector<SparseMeasurement>& measurements, const Linearised& linearised,
+                   UpdateOutcome& outcome) const;
 
   template <class Archive>
   void describeInterval(Archive& archive);

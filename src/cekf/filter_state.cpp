@@ -201,13 +201,7 @@ void VehicleState::describeState(Archive& archive) {
   archive(linearised_at_);
   describeInput(archive, input_);
   archive(has_input_, started_, in_gap_, time_s_);
-  Eigen::MatrixXd noise = motion_noise_;
-  archive(noise);
-  if constexpr (Archive::kReads) {
-    archive.require(noise.rows() == size_ && noise.cols() == size_ && noise.allFinite(),
-                    "the noise of the motion is not that of the vehicle's states");
-    motion_noise_ = noise;
-  }
+  archive(motion_noise_, noise_scale_);
 }
 
 void VehicleState::save(StateWriter& archive) {

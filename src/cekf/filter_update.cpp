@@ -164,7 +164,7 @@ std::optional<VectorXd> CompressedEkf::statesAfter(
 UpdateOutcome CompressedEkf::update(const std::vector<SparseMeasurement>& measurements) {
   if (measurements.empty()) return {};
   std::optional<Linearised> linearised = linearise(measurements);
-  if (!linearised) return {std::numeric_limits<double>::quiet_NaN(), 0.0};
+  if (!linearised) return refusedUpdate();
   return update(measurements, std::move(*linearised));
 }
 
@@ -182,9 +182,12 @@ UpdateOutcome CompressedEkf::update(const std::vector<SparseMeasurement>& measur
   const VectorXd& y = linearised.whitened;
   blas::solveLower(m, n, linearised.L.data(), m, HP.data(), m);
   blas::solveLower(m, n0, linearised.L.data(), m, Hphi.data(), m);
+  UpdateOutcome outcome;
+  outcome.nis = y.squaredNorm();
+  tellVehicle(measurements, linearised, outcome);
   if (landmarks_fixed_) {
     updateVehicle(linearised, Hphi);
-    return {y.squaredNorm(), 0.0};
+    return outcome;
   }
   const VectorXd correction = HP.transpose() * y;
   x_.head(n) += correction;
@@ -194,7 +197,20 @@ UpdateOutcome CompressedEkf::update(const std::vector<SparseMeasurement>& measur
   blas::gemm(true, false, n, n0, m, -1.0, HP.data(), m, Hphi.data(), m, phi_.data(),
              strideOf(phi_));
 
-  return {y.squaredNorm(), largestMove(x_.head(n) - correction)};
+  outcome.largest_landmark_move_m = largestMove(x_.head(n) - correction);
+  return outcome;
+}
+
+void CompressedEkf::tellVehicle(const std::vector<SparseMeasurement>& measurements,
+                                const Linearised& linearised, UpdateOutcome& outcome) const {
+  MatrixXd H = MatrixXd::Zero(linearised.L.rows(), vehicle_states_);
+  for (std::size_t k = 0; k < measurements.size(); ++k) {
+    const VehicleJacobian& rows = measurements[k].H_vehicle;
+    if (rows.cols() > 0) H.middleRows<2>(2 * static_cast<Eigen::Index>(k)) = rows;
+  }
+  linearised.L.triangularView<Eigen::Lower>().solveInPlace(H);
+  outcome.vehicle_score = H.transpose() * linearised.whitened;
+  outcome.vehicle_information = H.transpose() * H;
 }
 
 /// With the landmarks' rows of the gain zero: P_vv and P_vl change as ever, P_ll does not, nor does

@@ -175,7 +175,8 @@ void LandmarkLifeCycle::refreshActive(const CompressedEkf& filter) {
     RegisteredLandmark& landmark = registry_.bySlot(slot);
     registry_.move(landmark, filter.landmark(slot));
     if (landmark.diameter_state.exists()) {
-      landmark.diameter_m = DiameterStates::mean(landmark.diameter_state, filter);
+      // Its Gaussian reaches below zero, the object does not.
+      landmark.diameter_m = std::max(0.0, DiameterStates::mean(landmark.diameter_state, filter));
       landmark.diameter_variance = DiameterStates::variance(landmark.diameter_state, filter);
     }
     changed_ids_.insert(landmark.id);

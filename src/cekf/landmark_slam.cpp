@@ -15,7 +15,8 @@ namespace {
 
 bool isUsable(const Observation& observation) {
   return std::isfinite(observation.range_m) && observation.range_m > 0.0 &&
-         std::isfinite(observation.bearing_rad) && isCovariance(observation.covariance);
+         std::isfinite(observation.bearing_rad) && isCovariance(observation.covariance) &&
+         !(observation.diameter_m < 0.0);
 }
 
 // Beyond the reach of a sensor and of a large correction, a landmark's place may lag behind.
@@ -24,6 +25,9 @@ constexpr double kRefreshRadius_m = 100.0;
 // Deviation of a slip beyond which a scan alone hardly tells where the vehicle went, among the many
 // landmarks that it might see; constellations do.
 constexpr double kFarthestSlip_m = 10.0;
+
+// On variances: twice the deviations that the vehicle's configuration claims are worth a word.
+constexpr double kNoisy = 4.0;
 
 /// Whether at least half of the observations, and one, are of landmarks.
 bool isExplained(const ScanAssociation& association) {
@@ -57,7 +61,7 @@ LandmarkSlam::LandmarkSlam(const CekfSlamConfig& config, const VehicleConfig& ve
 
 LandmarkSlam::Estimate LandmarkSlam::newEstimate() const {
   VehicleState vehicle(vehicle_config_, config_.motion_input == "odom", config_.gps.enabled,
-                       config_.update.atFirstEstimates());
+                       config_.update.atFirstEstimates(), config_.motion_noise);
   CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance(), global_updates_);
   Estimate estimate{vehicle, std::move(filter), std::nullopt};
   if (config_.gps.enabled) estimate.gps.emplace(config_.gps, vehicle.gpsDatumIndex());
@@ -195,20 +199,16 @@ ScanAssociation LandmarkSlam::associate(const ObservationSet& set) {
   LandmarkRegistry& registry = life_cycle_.registry();
   CompressedEkf& filter = estimate_.filter;
   ScanAssociation association = associator_.associate(set, sensor, registry, filter);
-  if (isExplained(association)) {
-    estimate_.vehicle.beginMotionNoise();
-    return association;
-  }
-  if (!(config_.slip.probability > 0.0)) return association;
-  const double worse = config_.slip.factor * config_.slip.factor - 1.0;
-  const VehicleMatrix more = worse * estimate_.vehicle.motionNoise();
+  if (isExplained(association) || !(config_.slip.probability > 0.0)) return association;
+  const double times = config_.slip.factor * config_.slip.factor;
+  const VehicleMatrix more = (times - 1.0) * estimate_.vehicle.motionNoise();
   if (more.topLeftCorner<2, 2>().trace() > kFarthestSlip_m * kFarthestSlip_m) return association;
   ScanAssociation slipped = associator_.associate(set, sensor, registry, filter, &more);
   const double gained = slipped.log_odds - association.log_odds;
   if (!isExplained(slipped) || gained < -std::log(config_.slip.probability)) return association;
   const VehicleMatrix still = VehicleMatrix::Identity(more.rows(), more.cols());
   filter.predict(filter.vehicle(), still, more);
-  estimate_.vehicle.beginMotionNoise();
+  estimate_.vehicle.multiplyMotionNoise(times);
   ++counts_.slips;
   return slipped;
 }
@@ -252,6 +252,11 @@ bool LandmarkSlam::update(const ObservationSet& set, ScanAssociation& associatio
   outcome.health.nis = update.nis;
   outcome.health.dof = 2 * static_cast<int>(association.measurements.size());
   outcome.largest_correction_m = update.largest_landmark_move_m;
+  if (isExplained(association)) {
+    estimate_.vehicle.learnMotionNoise(update);
+    if (motionNoiseFactors().maxCoeff() >= kNoisy) ++counts_.noisy_scans;
+    estimate_.vehicle.beginMotionNoise();
+  }
   return true;
 }
 

@@ -42,6 +42,7 @@ class LandmarkSlam {
   Calibration calibration() const;
   Eigen::Matrix3d calibrationCovariance() const;
   LaserCalibration laserCalibration() const;
+  Eigen::Vector2d motionNoiseFactors() const { return estimate_.vehicle.noiseScale().factors(); }
   std::uint64_t version() const { return version_; }
   void setVersion(std::uint64_t version) { version_ = version; }
   std::size_t landmarkCount() const { return life_cycle_.registry().size(); }

@@ -106,6 +106,7 @@ LandmarkSlam::Counts LandmarkSlam::counts() const {
   counts.landmarks_merged = life_cycle_.counts().merged;
   counts.slips += life_cycle_.counts().slips;
   counts.iterated_updates = scan_update_.iterated();
+  counts.diverged_updates = scan_update_.diverged();
   counts.area_switches = area_.counts().switches;
   counts.global_updates = area_.counts().global_updates;
   counts.deferred_global_updates = area_.counts().deferred;

@@ -58,7 +58,8 @@ bool shouldBeVisible(const LaserScan& scan, const Eigen::Vector2d& position_at_s
       std::min(config.visible_range_m, kShareOfFarthestSighting * landmark.farthest_seen_m);
   if (distance_m > reach_m || distance_m < std::max(1.0, scan.range_min_m)) return false;
 
-  const double radius_m = std::isfinite(landmark.diameter_m) ? 0.5 * landmark.diameter_m : 0.0;
+  const double radius_m =
+      std::isfinite(landmark.diameter_m) ? std::max(0.0, 0.5 * landmark.diameter_m) : 0.0;
   const double half_width = std::asin(std::min(1.0, (radius_m + kClearance_m) / distance_m));
   const double step = std::abs(scan.angle_increment_rad);
   const double offset = offsetOf(position, scan);

@@ -14,7 +14,8 @@ namespace hymm::core {
 
 /// The joint update with all associated observations of a set. Where a correction is so large that
 /// the measurements are not linear over it, it is repeated with Jacobians at the corrected states
-/// (iterated EKF: the innovation becomes z - h(x_i) - H_i * (x - x_i)).
+/// (iterated EKF: the innovation becomes z - h(x_i) - H_i * (x - x_i)), and refused if that leads
+/// away from what was measured.
 class ScanUpdate {
  public:
   explicit ScanUpdate(int max_iterations) : max_iterations_(max_iterations) {}
@@ -28,15 +29,28 @@ class ScanUpdate {
 
   /// Updates that were repeated.
   std::size_t iterated() const { return iterated_; }
+  /// Of these, that were refused, since they led away from what was measured.
+  std::size_t diverged() const { return diverged_; }
 
  private:
   using Measurements = std::vector<SparseMeasurement>;
 
   bool isLarge(const Eigen::VectorXd& states_after, const CompressedEkf& filter) const;
+  /// Measurements that were linearised anew, and the most that they neglected before, in squared
+  /// deviations of their noise.
+  struct Repeated {
+    Measurements measurements;
+    double neglected2 = 0.0;
+  };
+
+  static Repeated linearisedAt(const Eigen::VectorXd& states, const ObservationSet& set,
+                               const ScanAssociation& association, const Measurements& measurements,
+                               const VehicleState& vehicle, const CompressedEkf& filter);
 
   int max_iterations_;
   std::optional<double> least_move_m_;  ///< with Jacobians at first estimates
   std::size_t iterated_ = 0;
+  std::size_t diverged_ = 0;
 };
 
 }  // namespace hymm::core

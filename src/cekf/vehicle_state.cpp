@@ -7,10 +7,11 @@
 namespace hymm::core {
 
 VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum,
-                           bool at_first_estimates)
+                           bool at_first_estimates, const MotionNoiseConfig& motion_noise)
     : model_(vehicle),
       hold_limit_s_(vehicle.noise.hold_limit_s),
-      at_first_estimates_(at_first_estimates) {
+      at_first_estimates_(at_first_estimates),
+      noise_scale_(motion_noise) {
   const double relative =
       twist ? vehicle.noise.yaw_rate_deviation_relative : vehicle.noise.steering_deviation_relative;
   if (relative > 0.0) turn_relative_index_ = size_++;
@@ -95,7 +96,8 @@ SweepMotion VehicleState::motionFrom(const CompressedEkf& filter,
   };
   const BodyVelocity first = velocityAt(input_, 0.0);
   motion.velocity_covariance = velocityCovariance(first, filter.vehicleCovariance());
-  motion.white_density = first.white_density;
+  motion.white_density =
+      noiseTimes().asDiagonal() * first.white_density * noiseTimes().asDiagonal();
   motion.pieces.push_back({0.0, first.forward_mps, first.lateral_mps, first.yaw_rate_radps});
   for (const MotionInput& input : inputs) {
     const double after_s = timeOf(input) - time_s_;
@@ -205,11 +207,9 @@ void VehicleState::predict(CompressedEkf& filter, double age_s, double duration_
     const int index = calibration_index_[static_cast<std::size_t>(k)];
     if (index >= 0) J.block<3, 1>(0, index) = step.J_calibration.col(k);
   }
-  // The errors decay and are renewed, so that their deviation stays one.
+  // The errors decay, and are renewed by as much; see addNoise().
   const Eigen::Vector3d times_s = model_.correlationTimes();
   const std::array<int, 3> errors{kErrorIndex, kErrorIndex + 1, turn_relative_index_};
-  VehicleMatrix Q = VehicleMatrix::Zero(size_, size_);
-  Q.topLeftCorner<3, 3>() = step.white_noise;
   for (int k = 0; k < 3; ++k) {
     const int index = errors[static_cast<std::size_t>(k)];
     if (index < 0) continue;
@@ -217,18 +217,53 @@ void VehicleState::predict(CompressedEkf& filter, double age_s, double duration_
     state[index] *= kept;
     J.block<3, 1>(0, index) = step.J_error.col(k);
     J(index, index) = kept;
-    Q(index, index) = 1.0 - kept * kept;
   }
-  filter.predict(state, J, Q);
-  const VehicleMatrix moved = timesMotionTransposed(motion_noise_, J);
-  motion_noise_ = timesMotionTransposed(VehicleMatrix(moved.transpose()), J) + Q;
+  filter.predict(state, J, addNoise(step, J));
 }
 
-void VehicleState::beginMotionNoise() {
-  motion_noise_ = VehicleMatrix::Zero(size_, size_);
-  for (const int index : {kErrorIndex, kErrorIndex + 1, turn_relative_index_}) {
-    if (index >= 0) motion_noise_(index, index) = 1.0;
+/// What the noise of a step adds to the covariance, which the account of it takes over as well.
+VehicleMatrix VehicleState::addNoise(const MotionStep& step, const VehicleMatrix& J) {
+  const Eigen::Vector3d times = noiseTimes();
+  AccumulatedNoise::Parts added = errorVariances();
+  const Eigen::Index n = added.front().rows();
+  VehicleMatrix Q = VehicleMatrix::Zero(size_, size_);
+  Q.topLeftCorner<3, 3>() = step.whiteNoise(times);
+  for (AccumulatedNoise::Matrix& part : added) {
+    for (Eigen::Index k = kErrorIndex; k < n; ++k) part(k, k) *= 1.0 - J(k, k) * J(k, k);
+    Q.topLeftCorner(n, n) += part;
   }
+  added[MotionNoiseScale::kTranslation].topLeftCorner<3, 3>() =
+      step.whiteNoise({times[0], times[1], 0.0});
+  added[MotionNoiseScale::kRotation].topLeftCorner<3, 3>() = step.whiteNoise({0.0, 0.0, times[2]});
+  motion_noise_.carry(J.topLeftCorner(n, n), added);
+  return Q;
+}
+
+/// Of the errors of the motion, by what they are errors of, when nothing is known of them.
+AccumulatedNoise::Parts VehicleState::errorVariances() const {
+  const int n = turn_relative_index_ >= 0 ? kErrorIndex + 3 : kErrorIndex + 2;
+  const AccumulatedNoise::Matrix zero = AccumulatedNoise::Matrix::Zero(n, n);
+  AccumulatedNoise::Parts parts{zero, zero};
+  const MotionNoiseScale::Factors& factors = noise_scale_.factors();
+  constexpr auto kTranslation = MotionNoiseScale::kTranslation;
+  constexpr auto kRotation = MotionNoiseScale::kRotation;
+  parts[kTranslation](kErrorIndex, kErrorIndex) = factors[kTranslation];
+  for (int k = kErrorIndex + 1; k < n; ++k) parts[kRotation](k, k) = factors[kRotation];
+  return parts;
+}
+
+/// How many times as large as claimed deviations of (forward, lateral, yaw rate) are.
+Eigen::Vector3d VehicleState::noiseTimes() const {
+  const MotionNoiseScale::Factors times = noise_scale_.factors().cwiseSqrt();
+  return {times[MotionNoiseScale::kTranslation], times[MotionNoiseScale::kTranslation],
+          times[MotionNoiseScale::kRotation]};
+}
+
+void VehicleState::beginMotionNoise() { motion_noise_.begin(errorVariances()); }
+
+void VehicleState::learnMotionNoise(const UpdateOutcome& update) {
+  noise_scale_.learn(time_s_,
+                     motion_noise_.evidence(update.vehicle_score, update.vehicle_information));
 }
 
 }  // namespace hymm::core

@@ -6,7 +6,9 @@
 
 #include <Eigen/Core>
 
+#include "cekf/accumulated_noise.h"
 #include "cekf/compressed_ekf.h"
+#include "cekf/motion_noise_scale.h"
 #include "cekf/observation_model.h"
 #include "vehicle/motion_model.h"
 #include "vehicle/sweep_motion.h"
@@ -32,7 +34,7 @@ class VehicleState {
   /// the Jacobian of the motion leads from where the vehicle was predicted before, not from where
   /// it was corrected to since.
   VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum,
-               bool at_first_estimates = false);
+               bool at_first_estimates = false, const MotionNoiseConfig& motion_noise = {});
 
   int size() const { return size_; }
   /// First of the three states (x, y, yaw) of T_map_enu, or -1.
@@ -71,8 +73,14 @@ class VehicleState {
 
   /// Covariance that the motion's noise alone has given the vehicle's states since the last
   /// beginMotionNoise(), at which the errors of the input were anything.
-  const VehicleMatrix& motionNoise() const { return motion_noise_; }
+  VehicleMatrix motionNoise() const { return motion_noise_.total(size_); }
   void beginMotionNoise();
+  /// The noise since then was that many times as large.
+  void multiplyMotionNoise(double factor) { motion_noise_.multiply(factor); }
+  /// Learns from an update how large the noise since then is.
+  void learnMotionNoise(const UpdateOutcome& update);
+  /// How much larger the noise is than claimed.
+  const MotionNoiseScale& noiseScale() const { return noise_scale_; }
 
   bool hasInput() const { return has_input_; }
   double time_s() const { return time_s_; }
@@ -94,6 +102,9 @@ class VehicleState {
   template <class Archive>
   void describeState(Archive& archive);
   void predict(CompressedEkf& filter, double age_s, double duration_s);
+  VehicleMatrix addNoise(const MotionStep& step, const VehicleMatrix& J);
+  AccumulatedNoise::Parts errorVariances() const;
+  Eigen::Vector3d noiseTimes() const;
   Eigen::Matrix3d velocityCovariance(const BodyVelocity& velocity,
                                      const VehicleMatrix& covariance) const;
 
@@ -117,7 +128,8 @@ class VehicleState {
 
   bool at_first_estimates_;
   Eigen::Vector2d linearised_at_ = Eigen::Vector2d::Zero();
-  VehicleMatrix motion_noise_;
+  AccumulatedNoise motion_noise_;
+  MotionNoiseScale noise_scale_;
   MotionInput input_ = TwistInput{};
   bool has_input_ = false;
   bool started_ = false;

@@ -78,12 +78,20 @@ void CekfSlamNode::diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& s
   status.add("landmarks merged", counts.landmarks_merged);
   status.add("map corrections", counts.map_corrections);
   status.add("iterated updates", counts.iterated_updates);
+  status.add("updates refused, which diverged", counts.diverged_updates);
   status.add("resets", counts.resets);
   status.add("returns to an earlier scan", counts.resumed);
   status.add("returns refused", counts.refused_resumptions);
   status.add("scans given up that could be gone back to", counts.forgotten_states);
   if (filter_.isSuspended()) {
     status.mergeSummary(DiagnosticStatus::WARN, "Waits while the relocaliser looks for the place");
+  }
+  const Eigen::Vector2d noise = filter_.motionNoiseFactors().cwiseSqrt();
+  status.add("deviation of the speed, in those that the vehicle's noise claims", noise[0]);
+  status.add("deviation of the turn, in those that the vehicle's noise claims", noise[1]);
+  if (noise.maxCoeff() >= 2.0) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "The motion is at least twice as noisy as the vehicle's noise claims");
   }
   status.add("latency, worst of the last second [ms]", worst_latency_ms_);
   status.add("NIS per degree of freedom", health_.dof > 0 ? health_.nis / health_.dof : 0.0);

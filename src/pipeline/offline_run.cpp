@@ -116,6 +116,8 @@ std::map<std::string, std::size_t> OfflineRun::incidents() const {
   add("observations refused: not finite, or with an unusable covariance",
       counts.refused_observations);
   add("gaps in the motion input", counts.motion_gaps);
+  add("scans after a motion at least twice as noisy as the vehicle's noise claims",
+      counts.noisy_scans);
   add("scans before any motion input", counts.scans_without_motion);
   for (const auto& stage : stages_) incidents.merge(stage->incidents());
   return incidents;

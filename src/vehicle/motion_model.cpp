@@ -116,16 +116,17 @@ MotionStep MotionModel::step(const Pose2& pose, const MotionInput& input,
 
   Eigen::Matrix3d J_velocity = arc.velocityJacobian(chord, duration_s);
   J_velocity.topRows<2>() = R * J_velocity.topRows<2>().eval();
+  step.J_velocity = J_velocity;
   step.J_calibration = J_velocity * v.J_calibration;
   step.J_error = J_velocity * v.J_error;
   if (duration_s > 0.0) {
     // White noise of the velocity: its covariance over the step is density / duration.
     Eigen::Matrix3d density = v.white_density;
     density.diagonal() += gapDensity(age_s + duration_s);
-    step.white_noise = J_velocity * density * J_velocity.transpose() / duration_s;
-    step.noise = step.white_noise + step.J_error *
-                                        (2.0 / duration_s * correlationTimes()).asDiagonal() *
-                                        step.J_error.transpose();
+    step.white_covariance = density / duration_s;
+    step.noise = step.whiteNoise(Eigen::Vector3d::Ones()) +
+                 step.J_error * (2.0 / duration_s * correlationTimes()).asDiagonal() *
+                     step.J_error.transpose();
   }
   return step;
 }

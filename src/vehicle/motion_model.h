@@ -52,9 +52,17 @@ struct MotionStep {
   Eigen::Matrix3d J_pose = Eigen::Matrix3d::Identity();     ///< d(pose')/d(pose)
   Eigen::Matrix3d J_calibration = Eigen::Matrix3d::Zero();  ///< d(pose')/d(calibration)
   Eigen::Matrix3d J_error = Eigen::Matrix3d::Zero();        ///< by MotionError
-  Eigen::Matrix3d white_noise = Eigen::Matrix3d::Zero();  ///< covariance added, without MotionError
+  Eigen::Matrix3d J_velocity = Eigen::Matrix3d::Zero();     ///< by (forward, lateral, yaw rate)
+  /// Of the velocity, of all noise but MotionError, averaged over the step.
+  Eigen::Matrix3d white_covariance = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d noise =
       Eigen::Matrix3d::Zero();  ///< covariance added, MotionError taken as white
+
+  /// Covariance added without MotionError, if its deviations are so many times as large.
+  Eigen::Matrix3d whiteNoise(const Eigen::Vector3d& times) const {
+    const Eigen::Matrix3d J = J_velocity * times.asDiagonal();
+    return J * white_covariance * J.transpose();
+  }
 };
 
 /// Motion of a planar vehicle from encoder speed and steering, or from a twist; noise from

@@ -131,7 +131,7 @@ class ShadowedDrive {
     J.block<3, 2>(0, kError) = step.J_error.leftCols<2>();
     J.diagonal().segment<2>(kError) = kept;
     J.block<3, 3>(0, kCalibration) = step.J_calibration;
-    Q.topLeftCorner<3, 3>() = step.white_noise;
+    Q.topLeftCorner<3, 3>() = step.whiteNoise(Eigen::Vector3d::Ones());
     Q.diagonal().segment<2>(kError) = 1.0 - kept.square();
     state.head<3>() = step.pose.vector();
     state.segment<2>(kError).array() *= kept;

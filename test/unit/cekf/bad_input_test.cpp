@@ -155,6 +155,13 @@ BadObservation withCovariance(const char* name, double rr, double rb, double br,
   return {name, observation};
 }
 
+BadObservation withDiameter(const char* name, double diameter_m) {
+  Observation observation = seen(5.0, 0.0);
+  observation.diameter_m = diameter_m;
+  observation.diameter_variance = 0.01;
+  return {name, observation};
+}
+
 class BadObservationOf : public testing::TestWithParam<BadObservation> {};
 
 TEST_P(BadObservationOf, IsRefusedAndCountedWhileTheOthersAreUsed) {
@@ -179,6 +186,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadObservation{"RangeNegative", seen(-3.0, 0.0)},
                     BadObservation{"BearingNan", seen(5.0, kNan)},
                     BadObservation{"BearingInfinite", seen(5.0, -kInfinity)},
+                    withDiameter("DiameterNegative", -0.3),
                     withCovariance("CovarianceNan", kNan, 0.0, 0.0, 1e-5),
                     withCovariance("CovarianceInfinite", 1e-3, 0.0, 0.0, kInfinity),
                     withCovariance("CovarianceZero", 0.0, 0.0, 0.0, 0.0),

@@ -190,6 +190,13 @@ TEST_F(LandmarkVisibility, ExpectsNothingBeyondWhereItWasEverSeen) {
   EXPECT_TRUE(visible({6.0, 0.0}));
 }
 
+TEST_F(LandmarkVisibility, TakesADiameterBelowZeroForNone) {
+  landmark_.diameter_m = -8.0;
+  EXPECT_TRUE(visible({10.0, 0.0}));
+  scan_.ranges_m[180] = 5.0F;
+  EXPECT_FALSE(visible({10.0, 0.0}));
+}
+
 TEST_F(LandmarkVisibility, ExpectsNothingBehindANearerThing) {
   scan_.ranges_m[180] = 5.0F;
   EXPECT_FALSE(visible({10.0, 0.0}));

@@ -51,6 +51,7 @@ class Turned {
     return (filter_.vehicle().head<2>() - Vector2d(2.0 * true_yaw_rad, 0.0)).norm();
   }
   const UpdateOutcome& outcome() const { return outcome_; }
+  const CompressedEkf& filter() const { return filter_; }
 
  private:
   static MatrixXd covariance() {
@@ -97,6 +98,19 @@ TEST(ScanUpdate, RepeatsOnlyWhatMovesALandmarkFarIfToldSo) {
   unsure.update(scan_update, kYaw_rad);
   EXPECT_GT(unsure.outcome().largest_landmark_move_m, kLeastMove_m);
   EXPECT_EQ(scan_update.iterated(), 1U);
+}
+
+TEST(ScanUpdate, RefusesWhatLeadsAwayFromTheMeasurementsAndTakesItsLinearisationBack) {
+  constexpr double kYaw_rad = 2.0;  // four deviations off
+  ScanUpdate scan_update(3, 0.01);
+  Turned turned(kYaw_rad, 1.0);
+  const VectorXd vehicle = turned.filter().vehicle();
+  const MatrixXd covariance = turned.filter().vehicleCovariance();
+  turned.update(scan_update, kYaw_rad);
+  EXPECT_TRUE(std::isnan(turned.outcome().nis));
+  EXPECT_EQ(scan_update.diverged(), 1U);
+  EXPECT_EQ(turned.filter().vehicle(), vehicle);
+  EXPECT_LT((turned.filter().vehicleCovariance() - covariance).norm(), 1e-12);
 }
 
 TEST(ScanUpdate, RefusesWhatTheFilterRefuses) {
