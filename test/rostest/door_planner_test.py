@@ -18,7 +18,7 @@ from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan
 from visualization_msgs.msg import MarkerArray
 
-WAIT_S = 10.0
+WAIT_S = 60.0  # only a node that is broken needs it
 EDGE_M = 12.0
 CELLS = 60
 SQUARES = 4  # in a row
@@ -103,7 +103,7 @@ class DoorPlannerTest(unittest.TestCase):
         self.assertFalse(answer.success)
         self.assertEqual(answer.status, "NO_MAP")
         self.assertTrue(wait_for(lambda: any(
-            "No local triangular region" in text for text, _ in self.status.values())))
+            "No local triangular region" in text for text, _ in list(self.status.values()))))
 
     def test_2_it_plans_over_the_map(self):
         self.maps.publish(landmark_map(1))
@@ -162,15 +162,18 @@ class DoorPlannerTest(unittest.TestCase):
         pose.header.frame_id = "map"
         pose.pose.pose.position = Point(3.0, 4.0, 0.0)
         self.poses.publish(pose)
-        time.sleep(0.3)
+        self.assertTrue(wait_for(lambda: self.ask(from_pose=True).success), "the pose")
         goal = PoseStamped()
         goal.header.frame_id = "map"
         goal.pose.position = Point(42.0, 6.0, 0.0)
         self.goals.publish(goal)
-        self.assertTrue(wait_for(lambda: self.plans and self.plans[-1].poses))
-        self.assertAlmostEqual(self.plans[-1].poses[-1].pose.position.y, 6.0, places=6)
+        self.assertTrue(wait_for(lambda: self.plan_ends_at(6.0)))
         self.maps.publish(landmark_map(2, shift=1.5))
-        self.assertTrue(wait_for(lambda: abs(self.plans[-1].poses[-1].pose.position.y - 7.5) < 1e-6))
+        self.assertTrue(wait_for(lambda: self.plan_ends_at(7.5)))
+
+    def plan_ends_at(self, y):
+        poses = self.plans[-1].poses if self.plans else []
+        return bool(poses) and abs(poses[-1].pose.position.y - y) < 1e-6
 
     def test_7_the_action_answers_and_keeps_its_plan(self):
         client = actionlib.SimpleActionClient("plan_path", PlanPathAction)
@@ -233,11 +236,18 @@ class DoorPlannerTest(unittest.TestCase):
         goal.pose.position = Point(42.0, 7.5, 0.0)
         self.goals.publish(goal)
         self.assertTrue(wait_for(lambda: self.plans[-1].poses))
-        straight = self.plans[-1]
         self.grids.publish(grid(5, occupied_rows=range(25, 40)))  # from y = 5.5 to 8.5 m, left of x = 36 m
-        self.assertTrue(wait_for(lambda: self.plans[-1] is not straight and self.plans[-1].poses))
-        inside = [p.pose.position for p in self.plans[-1].poses if 32.5 < p.pose.position.x < 35.5]
-        self.assertTrue(all(abs(p.y - 7.0) > 1.5 for p in inside))
+        # The plan before, and the goal's own, may come until then: both go straight on.
+        self.assertTrue(wait_for(lambda: self.goes_around(self.plans[-1])))
+
+    @staticmethod
+    def goes_around(plan):
+        places = [(p.pose.position.x, p.pose.position.y) for p in plan.poses]
+        steps = [k / 50.0 for k in range(51)]
+        passed = [(a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]))
+                  for a, b in zip(places, places[1:]) for t in steps]
+        inside = [y for x, y in passed if 32.5 < x < 35.5]
+        return bool(inside) and all(abs(y - 7.0) > 1.5 for y in inside)
 
     def test_9_a_plan_that_is_blocked_is_made_anew_or_given_up(self):
         goal = PoseStamped()

@@ -8,12 +8,10 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 import xmlrpc.client
 from pathlib import Path
 
-import rosgraph
 import rospy
 import rostest
 import yaml
@@ -28,6 +26,7 @@ from sensor_msgs.msg import PointCloud2
 
 sys.path.insert(0, os.path.dirname(__file__))
 from nodes_test import Robot  # noqa: E402
+from waiting import PATIENCE_S, uri_of, wait_for, wait_for_links  # noqa: E402
 
 POLES = [(x, y) for x in range(8, 60, 7) for y in (-6.0, 5.0)]
 LASER_X = 3.78
@@ -52,16 +51,24 @@ class GridTest(unittest.TestCase):
         cls.clouds = rospy.Publisher("lidar/points", PointCloud2, queue_size=100)
         cls.samples = rospy.Publisher("property_samples", PropertySample, queue_size=100)
         cls.robot = Robot()
-        while (cls.robot.scans.get_num_connections() < 2 or cls.samples.get_num_connections() < 1 or
-               cls.clouds.get_num_connections() < 2 or cls.robot.motion.get_num_connections() < 3):
-            time.sleep(0.05)
+        wait_for(lambda: cls.robot.scans.get_num_connections() >= 2 and cls.samples.get_num_connections() >= 1 and
+                 cls.clouds.get_num_connections() >= 2 and cls.robot.motion.get_num_connections() >= 3,
+                 "those who take scans, clouds, motion and samples")
+        cls.wait_for_nodes()
         cls.x = 0.0
         cls.drive(60)
-        # A map of landmarks that was published before a node subscribed is waited for in vain.
-        deadline = time.time() + 30.0
-        while not all(states and states[-1].scans >= 50 for states in (cls.states, cls.lidar_states)):
-            assert time.time() < deadline, "waited in vain for scans and clouds in grid_status"
-            time.sleep(0.05)
+        wait_for(lambda: all(states and states[-1].scans >= 50 for states in (cls.states, cls.lidar_states)),
+                 "scans and clouds in grid_status")
+
+    @staticmethod
+    def wait_for_nodes():
+        """What the filter says before the dense map listens is lost."""
+        of_filter = ("cekf/pose", "landmark_updates", "landmarks")
+        here = rospy.get_name()
+        for space in ("/", "/lidar/"):
+            wait_for_links((space + "cekf_slam", space + "hymm_grid", *[space + topic for topic in of_filter]),
+                           (space + "hymm_grid", here, space + "grid_status", "/diagnostics"))
+        wait_for_links(("/hymm_grid", here, "/ltrs", "/map", "/map_updates", "/map_metadata", "/ltr_grids"))
 
     @classmethod
     def diagnose(cls, message):
@@ -96,12 +103,6 @@ class GridTest(unittest.TestCase):
         header.stamp = rospy.Time.from_sec(cls.robot.time_s + 0.1)  # as drive_with() stamps the scan
         return point_cloud2.create_cloud_xyz32(header, points)
 
-    def wait_for(self, condition, what):
-        deadline = time.time() + 15.0
-        while not condition():
-            self.assertLess(time.time(), deadline, "waited in vain for " + what)
-            time.sleep(0.05)
-
     def query(self, layer, x, y):
         position = PropertySample().position
         position.x, position.y = x, y
@@ -116,12 +117,12 @@ class GridTest(unittest.TestCase):
         return any(0 <= cell < 20 for cell in cells) and any(cell > 65 for cell in cells)
 
     def test_map_appears_with_its_triangles(self):
-        self.wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs")
-        self.wait_for(self.has_free_and_occupied_cells, "a map with free and occupied cells")
+        wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs")
+        wait_for(self.has_free_and_occupied_cells, "a map with free and occupied cells")
         self.assertAlmostEqual(self.maps[-1].info.resolution, 0.2, places=6)
         self.assertEqual(self.maps[-1].header.frame_id, "map")
-        self.wait_for(lambda: self.metadata, "map_metadata")
-        self.wait_for(lambda: self.grids, "ltr_grids")
+        wait_for(lambda: self.metadata, "map_metadata")
+        wait_for(lambda: self.grids, "ltr_grids")
         self.assertEqual(self.states[-1].lost_scans, 0)
 
     def test_clouds_make_the_same_map_as_scans(self):
@@ -145,25 +146,25 @@ class GridTest(unittest.TestCase):
         cloud = self.cloud_of(self.robot.scan())
         cloud.fields[2].name = "height"
         self.clouds.publish(cloud)
-        self.wait_for(lambda: self.lidar_diagnostics.get("point clouds that cannot be read") == "1",
+        wait_for(lambda: self.lidar_diagnostics.get("point clouds that cannot be read") == "1",
                       "a cloud without height")
 
     def test_only_what_changed_is_sent(self):
-        self.wait_for(lambda: self.maps, "a map")
-        time.sleep(1.5)  # the whole map follows a silence
+        wait_for(lambda: self.maps and self.maps[-1].header.stamp == self.robot.scan_stamp,
+                 "the whole map, which follows a silence")
         del self.grids[:], self.updates[:]
         self.drive(1)
-        self.wait_for(lambda: self.updates, "an update of the map")
+        wait_for(lambda: self.updates, "an update of the map")
         whole = self.maps[-1].info.width * self.maps[-1].info.height
         self.assertLess(sum(len(update.data) for update in self.updates), whole)
-        self.wait_for(lambda: self.grids, "grids")
+        wait_for(lambda: self.grids, "grids")
         self.assertLessEqual(len({grid.ltr for grid in self.grids}), len(self.ltrs[-1].ltrs))
 
     def test_new_subscriber_gets_all_grids_and_the_map(self):
-        self.wait_for(lambda: self.grids, "a grid")
+        wait_for(lambda: self.grids, "a grid")
         # In a process of its own: a node has one connection a topic.
         for topic in ("/ltr_grids/layer", "/map/info/width"):
-            told = subprocess.run(["rostopic", "echo", "-n", "1", topic], timeout=15,
+            told = subprocess.run(["rostopic", "echo", "-n", "1", topic], timeout=PATIENCE_S,
                                   stdout=subprocess.PIPE, text=True)
             self.assertNotEqual(told.stdout, "", topic)
         grid = self.grids[-1]
@@ -178,7 +179,7 @@ class GridTest(unittest.TestCase):
         sample.header.stamp = rospy.Time.from_sec(self.robot.time_s)
         sample.position.x, sample.position.y = self.place_inside()
         self.samples.publish(sample)
-        self.wait_for(lambda: self.query("salinity", *self.place_inside()).known, "the sample")
+        wait_for(lambda: self.query("salinity", *self.place_inside()).known, "the sample")
         answer = self.query("salinity", *self.place_inside())
         self.assertTrue(answer.success)
         self.assertAlmostEqual(answer.value, 0.31, places=5)
@@ -195,32 +196,11 @@ class GridTest(unittest.TestCase):
         self.assertIn("finite", self.query("occupancy", float("nan"), 0.0).message)
 
     def test_export_gives_back_the_cells(self):
-        last_scan_s = self.robot.time_s - 0.1
-        self.wait_for(lambda: self.maps and self.states[-1].header.stamp.to_sec() > last_scan_s - 0.05,
-                      "the last scan")
-        time.sleep(1.5)  # so that it is the whole map, drawn anew
-        cells = self.maps[-1]
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "park")
             service = rospy.ServiceProxy("export_map", ExportMap)
-            answer = service(format="pgm", path=path)
-            self.assertTrue(answer.success, answer.message)
-            told = yaml.safe_load(Path(path + ".yaml").read_text())
-            magic, size, depth, pixels = Path(folder, told["image"]).read_bytes().split(b"\n", 3)
-            self.assertEqual((magic, depth), (b"P5", b"255"))
-            width, height = (int(word) for word in size.split())
-            self.assertEqual((width, height), (cells.info.width, cells.info.height))
-            self.assertAlmostEqual(told["origin"][0], cells.info.origin.position.x)
-            for y in range(height):
-                for x in range(width):
-                    pixel = pixels[(height - 1 - y) * width + x]  # the image's first row is the top
-                    share = (255 - pixel) / 255.0
-                    read = 100 if share > told["occupied_thresh"] else (
-                        0 if share < told["free_thresh"] else -1)
-                    percent = cells.data[y * width + x]
-                    expected = -1 if percent < 0 else 100 if percent > 65 else (
-                        0 if percent < 19.6 else -1)
-                    self.assertEqual(read, expected, (x, y))
+            # The whole map is drawn anew in the silence after the last scan.
+            wait_for(lambda: self.is_exported(self.maps[-1], path), "a map with the cells of the exported one")
             answer = service(format="octomap", path=os.path.join(folder, "park.bt"))
             self.assertTrue(answer.success, answer.message)
             self.assertTrue(Path(folder, "park.bt").read_bytes().startswith(b"# Octomap OcTree bin"))
@@ -237,8 +217,31 @@ class GridTest(unittest.TestCase):
             self.assertFalse(answer.success)
             self.assertNotEqual(answer.message, "")
 
+    def is_exported(self, cells, path):
+        """Whether the image that is exported now holds these cells."""
+        answer = rospy.ServiceProxy("export_map", ExportMap)(format="pgm", path=path)
+        self.assertTrue(answer.success, answer.message)
+        told = yaml.safe_load(Path(path + ".yaml").read_text())
+        magic, size, depth, pixels = (Path(path).parent / told["image"]).read_bytes().split(b"\n", 3)
+        self.assertEqual((magic, depth), (b"P5", b"255"))
+        width, height = (int(word) for word in size.split())
+        origin = cells.info.origin.position
+        if (width, height) != (cells.info.width, cells.info.height) or abs(told["origin"][0] - origin.x) > 1e-6:
+            return False
+        return all(self.read_back(pixels[(height - 1 - y) * width + x], told)  # the image's first row is the top
+                   == self.as_three_values(cells.data[y * width + x]) for y in range(height) for x in range(width))
+
+    @staticmethod
+    def read_back(pixel, told):
+        share = (255 - pixel) / 255.0
+        return 100 if share > told["occupied_thresh"] else 0 if share < told["free_thresh"] else -1
+
+    @staticmethod
+    def as_three_values(percent):
+        return -1 if percent < 0 else 100 if percent > 65 else 0 if percent < 19.6 else -1
+
     def test_dynamic_map_and_matching_answer(self):
-        self.wait_for(lambda: self.maps, "a map")
+        wait_for(lambda: self.maps, "a map")
         cells = rospy.ServiceProxy("dynamic_map", GetMap)().map
         self.assertEqual(len(cells.data), cells.info.width * cells.info.height)
         self.assertGreater(len(cells.data), 0)
@@ -259,39 +262,38 @@ class GridTest(unittest.TestCase):
             sample.header.stamp = rospy.Time.from_sec(self.robot.time_s)
             sample.position.x, sample.position.y = self.place_inside()
             self.samples.publish(sample)
-        self.wait_for(lambda: self.count_of("layer 'sallinity'") == 1, "an unknown layer")
-        self.wait_for(lambda: self.count_of("layer 'salinity'") == 1, "a value that is no number")
-        self.wait_for(lambda: self.count_of("'nowhere'") == 1, "an unknown frame")
+        wait_for(lambda: self.count_of("layer 'sallinity'") == 1, "an unknown layer")
+        wait_for(lambda: self.count_of("layer 'salinity'") == 1, "a value that is no number")
+        wait_for(lambda: self.count_of("'nowhere'") == 1, "an unknown frame")
 
     def test_paused_node_writes_no_scans(self):
         pause = rospy.ServiceProxy("hymm_grid/pause", Pause)
         self.assertTrue(pause(pause=True).success)
         self.drive(5)
-        self.wait_for(lambda: self.count_of("scans while paused") >= 5, "scans that are not written")
+        wait_for(lambda: self.count_of("scans while paused") >= 5, "scans that are not written")
         self.assertTrue(pause(pause=False).success)
 
     def test_zz_killed_node_recovers(self):
-        self.wait_for(lambda: self.ltrs, "LTRs")
-        uri = rosgraph.Master("/grid_test").lookupNode("/hymm_grid")
+        wait_for(lambda: self.ltrs, "LTRs")
+        uri = uri_of("/hymm_grid")
         pid = xmlrpc.client.ServerProxy(uri).getPid("/grid_test")[2]
         os.kill(pid, signal.SIGKILL)
-        self.wait_for(lambda: rosgraph.Master("/grid_test").lookupNode("/hymm_grid") != uri,
-                      "the node's return")
-        self.wait_for(lambda: self.robot.scans.get_num_connections() == 2, "its subscription")
-        time.sleep(1.0)
+        wait_for(lambda: uri_of("/hymm_grid") not in (None, uri), "the node's return")
+        self.wait_for_nodes()
+        wait_for(lambda: Robot.is_heard(self.robot.scans, "/cekf_slam", "/hymm_grid"), "its subscription")
         del self.ltrs[:], self.maps[:], self.states[:]
         self.drive(25)
-        self.wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs again")
-        self.wait_for(self.has_free_and_occupied_cells, "a map again")
-        self.wait_for(lambda: self.states and self.states[-1].scans > 0, "scans again")
+        wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs again")
+        wait_for(self.has_free_and_occupied_cells, "a map again")
+        wait_for(lambda: self.states and self.states[-1].scans > 0, "scans again")
 
     def test_zzz_begins_anew_with_the_filter(self):
-        self.wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs")
+        wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs")
         before = self.ltrs[-1].landmark_version
         self.robot.time_s -= 100.0
         type(self).x = 0.0
         self.drive(8)
-        self.wait_for(lambda: any(ltrs.landmark_version > before and not ltrs.ltrs
+        wait_for(lambda: any(ltrs.landmark_version > before and not ltrs.ltrs
                                   for ltrs in list(self.ltrs)), "a map without LTRs")
 
 

@@ -4,7 +4,6 @@ what the other nodes learn."""
 import os
 import sys
 import tempfile
-import time
 import unittest
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from hymm.srv import LoadMap, Reset, SaveMap
 
 sys.path.insert(0, os.path.dirname(__file__))
 from nodes_test import Robot  # noqa: E402
+from waiting import PATIENCE_S, wait_for, wait_for_links  # noqa: E402
 
 POLES = [(x, y) for x in range(8, 90, 7) for y in (-6.0, 5.0)]
 LASER_X = 3.78
@@ -33,11 +33,14 @@ class StorageTest(unittest.TestCase):
         rospy.Subscriber("grid_status", GridStatus, cls.states.append)
         rospy.Subscriber("/diagnostics", DiagnosticArray, cls.diagnose)
         cls.robot = Robot()
-        while cls.robot.scans.get_num_connections() < 2:
-            time.sleep(0.05)
+        wait_for(lambda: Robot.is_heard(cls.robot.scans, "/cekf_slam", "/hymm_grid"), "those who take scans")
+        here = rospy.get_name()
+        wait_for_links(("/cekf_slam", "/hymm_grid", "/cekf/pose", "/landmark_updates", "/landmarks"),
+                       ("/cekf_slam", here, "/cekf/pose", "/landmarks", "/diagnostics"),
+                       ("/hymm_grid", here, "/ltrs", "/grid_status"))
         cls.x = 0.0
         for service in ("save_map", "load_map", "hymm_grid/save_state", "cekf_slam/save_state"):
-            rospy.wait_for_service(service, 20.0)
+            rospy.wait_for_service(service, PATIENCE_S)
         cls.save = staticmethod(rospy.ServiceProxy("save_map", SaveMap))
         cls.load = staticmethod(rospy.ServiceProxy("load_map", LoadMap))
         cls.folder = tempfile.TemporaryDirectory()
@@ -58,20 +61,14 @@ class StorageTest(unittest.TestCase):
             cls.robot.drive_with(cls.robot.scan(poles=near))
             cls.x += 0.1
 
-    def wait_for(self, condition, what):
-        deadline = time.time() + 15.0
-        while not condition():
-            self.assertLess(time.time(), deadline, "waited in vain for " + what)
-            time.sleep(0.05)
-
     def scans_at(self, version):
         """Written by the dense map up to this version of the landmarks."""
-        self.wait_for(lambda: self.states[-1].landmark_version >= version, "the dense map")
+        wait_for(lambda: self.states[-1].landmark_version >= version, "the dense map")
         return self.states[-1].scans
 
     def test_1_saves_one_version_of_both(self):
         self.drive(60)
-        self.wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs")
+        wait_for(lambda: self.ltrs and self.ltrs[-1].ltrs, "LTRs")
         answer = self.save(path=self.path)
         self.assertTrue(answer.success, answer.message)
         self.assertGreater(answer.landmarks, 5)
@@ -107,7 +104,8 @@ class StorageTest(unittest.TestCase):
             place.write_bytes(content)
         version = self.maps[-1].version
         self.drive(10)
-        self.wait_for(lambda: self.maps[-1].version > version, "the map going on")
+        wait_for(lambda: self.maps[-1].version > version, "the map going on")
+        wait_for(lambda: self.filter, "diagnostics")
         self.assertEqual(self.filter["resets"], "0", "a refusal touches nothing")
 
     def test_4_a_loaded_map_takes_the_place_of_the_present_one(self):
@@ -115,17 +113,17 @@ class StorageTest(unittest.TestCase):
         self.assertTrue(self.saved.success, self.saved.message)
         rospy.ServiceProxy("reset", Reset)()
         rospy.ServiceProxy("hymm_grid/reset", Reset)()
-        self.wait_for(lambda: not self.maps[-1].landmarks, "an empty map")
+        wait_for(lambda: not self.maps[-1].landmarks, "an empty map")
         answer = self.load(path=self.path)
         self.assertTrue(answer.success, answer.message)
         self.assertEqual(answer.landmarks, self.saved.landmarks)
         self.assertEqual(answer.ltrs, self.saved.ltrs)
         self.assertEqual(answer.differences, [])
-        self.wait_for(lambda: len(self.maps[-1].landmarks) == self.saved.landmarks, "its landmarks")
-        self.wait_for(lambda: len(self.ltrs[-1].ltrs) == self.saved.ltrs, "its LTRs")
+        wait_for(lambda: len(self.maps[-1].landmarks) == self.saved.landmarks, "its landmarks")
+        wait_for(lambda: len(self.ltrs[-1].ltrs) == self.saved.ltrs, "its LTRs")
         scans = self.states[-1].scans
         self.drive(20)
-        self.wait_for(lambda: self.states[-1].scans >= scans + 10, "scans written into the loaded map")
+        wait_for(lambda: self.states[-1].scans >= scans + 10, "scans written into the loaded map")
         self.assertGreaterEqual(len(self.ltrs[-1].ltrs), self.saved.ltrs)
 
     def test_5_localising_leaves_the_map_as_it_is(self):
@@ -135,14 +133,15 @@ class StorageTest(unittest.TestCase):
         pose.covariance[35] = 0.0025
         answer = self.load(path=self.path, localise_only=True, use_pose=True, pose=pose)
         self.assertTrue(answer.success, answer.message)
-        self.wait_for(lambda: len(self.maps[-1].landmarks) == self.saved.landmarks, "its landmarks")
+        wait_for(lambda: len(self.maps[-1].landmarks) == self.saved.landmarks, "its landmarks")
         places = {m.id: (m.position.x, m.position.y) for m in self.maps[-1].landmarks}
         self.drive(10)
         scans = self.scans_at(answer.landmark_version + 5)
         self.drive(20)
         self.assertEqual(self.scans_at(answer.landmark_version + 15), scans)
-        self.wait_for(lambda: self.maps[-1].version > answer.landmark_version + 5, "a later map")
+        wait_for(lambda: self.maps[-1].version > answer.landmark_version + 5, "a later map")
         self.assertEqual({m.id: (m.position.x, m.position.y) for m in self.maps[-1].landmarks}, places)
+        wait_for(lambda: self.poses[-1].header.stamp == self.robot.scan_stamp, "the last scan's pose")
         position = self.poses[-1].pose.pose.position
         self.assertAlmostEqual(position.x, self.x, delta=0.3)
         self.assertAlmostEqual(position.y, 0.0, delta=0.3)
