@@ -122,6 +122,7 @@ void HymmGridNode::workOn() {
       continue;
     }
     const std::optional<PairedScan> paired = waitForScan();
+    disconnectStuckReaders();
     const std::lock_guard<std::mutex> lock(mutex_);
     const double begin_s = steadyNow();
     if (paired) {
@@ -241,6 +242,15 @@ void HymmGridNode::publishIfDue() {
   } else if (now_s - publish_wall_s_ > 1.0 / config_.publish_rate_hz) {
     output_.publishChanges(stamp_, now_s);
     publish_wall_s_ = now_s;
+  }
+}
+
+void HymmGridNode::disconnectStuckReaders() {
+  for (std::size_t times = output_.disconnectStuck(steadyNow()); times > 0; --times) {
+    causes_.count("readers disconnected",
+                  "A reader of `ltr_grids` or `map_updates` takes nothing although much waits for "
+                  "it: the readers of this topic are disconnected, and get the whole map when "
+                  "they connect again. Look for a node or a display that hangs.");
   }
 }
 

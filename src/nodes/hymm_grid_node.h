@@ -67,6 +67,7 @@ class HymmGridNode {
   void placeSamples();
   void write(const core::PropertySample& sample);
   void publishIfDue();
+  void disconnectStuckReaders();
   GridStatus status() const;
 
   void advertiseServices();

@@ -11,7 +11,7 @@
 namespace hymm {
 namespace {
 
-constexpr std::uint32_t kQueue = 10000;  // a recorder wants every message, however late it reads
+constexpr std::uint32_t kQueue = 5000;  // scans, a quarter of an hour; hymm_grid waits for no more
 constexpr bool kLatched = true;
 constexpr int kMostMapsOnTheirWay = 10;
 

@@ -1,6 +1,8 @@
 #include "ros/grid_output.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <ros/single_subscriber_publisher.h>
 
@@ -10,18 +12,15 @@
 namespace hymm {
 namespace {
 
-constexpr std::uint32_t kGridQueue = 10000;  // a planner wants each LTR, however late it reads
+constexpr std::uint32_t kMapQueue = 2;  // a newer one takes its place
 constexpr bool kLatched = true;
 
-/// A publisher that serves new subscribers by `serve`, out of `queue`.
+/// Of a publisher that serves new subscribers by `serve`, out of `queue`.
 template <class Message>
-ros::Publisher advertise(ros::NodeHandle& handle, const std::string& topic, std::uint32_t size,
-                         bool latched, ros::CallbackQueue& queue,
-                         const ros::SubscriberStatusCallback& serve) {
-  ros::AdvertiseOptions options = ros::AdvertiseOptions::create<Message>(
-      topic, size, serve, ros::SubscriberStatusCallback(), ros::VoidConstPtr(), &queue);
-  options.latch = latched;
-  return handle.advertise(options);
+ros::AdvertiseOptions serving(const std::string& topic, ros::CallbackQueue& queue,
+                              const ros::SubscriberStatusCallback& serve) {
+  return ros::AdvertiseOptions::create<Message>(
+      topic, kMapQueue, serve, ros::SubscriberStatusCallback(), ros::VoidConstPtr(), &queue);
 }
 
 }  // namespace
@@ -38,12 +37,29 @@ GridOutput::GridOutput(ros::NodeHandle handle, const core::HymmGridConfig& confi
   ltrs_ = handle_.advertise<LtrMap>("ltrs", 10, kLatched);
   status_ = handle_.advertise<GridStatus>("grid_status", 1000, kLatched);
   metadata_ = handle_.advertise<nav_msgs::MapMetaData>("map_metadata", 10, kLatched);
-  map_updates_ = handle_.advertise<map_msgs::OccupancyGridUpdate>("map_updates", 1000);
-  grids_ = advertise<LtrGrid>(handle_, "ltr_grids", kGridQueue, false, queue,
-                              [this](const auto& subscriber) { serveGrids(subscriber); });
-  map_ =
-      advertise<nav_msgs::OccupancyGrid>(handle_, "map", 10, kLatched, queue,
-                                         [this](const auto& subscriber) { serveMap(subscriber); });
+  map_updates_ = BoundedPublisher(
+      handle_, serving<map_msgs::OccupancyGridUpdate>("map_updates", queue, {}), {});
+  grids_ =
+      BoundedPublisher(handle_,
+                       serving<LtrGrid>("ltr_grids", queue,
+                                        [this](const auto& subscriber) { serveGrids(subscriber); }),
+                       {});
+  ros::AdvertiseOptions map = serving<nav_msgs::OccupancyGrid>(
+      "map", queue, [this](const auto& subscriber) { serveMap(subscriber); });
+  map.latch = kLatched;
+  map_ = handle_.advertise(map);
+}
+
+std::size_t GridOutput::disconnectStuck(double steady_now_s) {
+  std::size_t times = 0;
+  if (grids_.disconnectIfStuck(steady_now_s)) ++times;
+  if (map_updates_.disconnectIfStuck(steady_now_s)) {
+    ++times;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    map_is_sent_ = false;  // what readers miss until they are back, the whole map tells
+    map_sent_s_ = steady_now_s;
+  }
+  return times;
 }
 
 template <class Message>
@@ -62,15 +78,28 @@ void GridOutput::publishLtrs(const ros::Time& stamp) {
 void GridOutput::publishChanges(const ros::Time& stamp, double steady_now_s) {
   const core::CpuTimer timer(cpu_s_);
   stamp_ = stamp;
+  publishGrids();
+  if (!map_updates_.isFull()) publishImage(steady_now_s);
+}
+
+/// In the order in which they changed, so that it can go on where it stopped.
+void GridOutput::publishGrids() {
   const core::HybridMap& map = mapper_.map();
   if (grids_.getNumSubscribers() > 0) {
-    for (const core::ChangedLayer& changed : map.changedSince(sent_revision_)) {
-      grids_.publish(stamped(toMessage(map, changed)));
+    std::vector<core::ChangedLayer> layers = map.changedSince(sent_revision_);
+    std::sort(layers.begin(), layers.end(),
+              [](const auto& a, const auto& b) { return a.revision < b.revision; });
+    for (const core::ChangedLayer& layer : layers) {
+      if (layer.revision > sent_revision_ && grids_.isFull()) return;
+      grids_.publish(stamped(toMessage(map, layer)));
+      sent_revision_ = layer.revision;
     }
   }
   sent_revision_ = map.revision();
+}
 
-  const core::ImageChange change = image_.update(map);
+void GridOutput::publishImage(double steady_now_s) {
+  const core::ImageChange change = image_.update(mapper_.map());
   if (change.is_resized) {
     sendMap(steady_now_s);
     return;

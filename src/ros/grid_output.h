@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -14,18 +15,23 @@
 
 #include "hybrid_map/map_image.h"
 #include "pipeline/grid_mapper.h"
+#include "ros/bounded_publisher.h"
 
 namespace hymm {
 
 /// Publishes the dense map: `ltrs`, `ltr_grids`, `map`, `map_updates`, `map_metadata` and
 /// `grid_status`. Only what changed is sent; a new subscriber of `ltr_grids` or `map` gets all of
-/// it.
+/// it. What changed waits here, and later changes with it, while a reader has too much to take.
 class GridOutput {
  public:
   /// New subscribers are served by the callbacks of `queue`, which hold `mutex` while they read
   /// `mapper`; both, and the mapper, outlive the object. Throws ConfigError.
   GridOutput(ros::NodeHandle handle, const core::HymmGridConfig& config, std::string map_frame,
              const core::GridMapper& mapper, std::mutex& mutex, ros::CallbackQueue& queue);
+
+  /// Disconnects the readers of `ltr_grids` or `map_updates` where one has hung for long; how often
+  /// it did so. By the thread that publishes changes, without the mutex.
+  std::size_t disconnectStuck(double steady_now_s);
 
   // All of these with the mutex held.
 
@@ -48,6 +54,8 @@ class GridOutput {
   double cpu_s() const { return cpu_s_; }
 
  private:
+  void publishGrids();
+  void publishImage(double steady_now_s);
   void serveGrids(const ros::SingleSubscriberPublisher& subscriber);
   void serveMap(const ros::SingleSubscriberPublisher& subscriber);
   void sendMap(double steady_now_s);
@@ -66,7 +74,8 @@ class GridOutput {
   double map_sent_s_ = 0.0;
   bool map_is_sent_ = false;  ///< the whole one, and nothing changed since
   double cpu_s_ = 0.0;
-  ros::Publisher ltrs_, grids_, map_, map_updates_, metadata_, status_;
+  ros::Publisher ltrs_, map_, metadata_, status_;
+  BoundedPublisher grids_, map_updates_;
 };
 
 }  // namespace hymm
