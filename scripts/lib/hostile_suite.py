@@ -42,15 +42,19 @@ def wait_for(condition, seconds):
 class Suite:
     """The nodes run as ordinary processes, so that their exit codes and memory are seen."""
 
-    def __init__(self, build, folder):
+    def __init__(self, build, folder, with_master=True):
         self.tools = build / "devel/lib/hymm"
         self.folder = folder
         self.running, self.crashes, self.players = {}, [], []
-        port = free_port()
-        os.environ.update(ROS_MASTER_URI=f"http://localhost:{port}", ROS_HOSTNAME="localhost",
+        self.port, self.master = free_port(), None
+        os.environ.update(ROS_MASTER_URI=f"http://localhost:{self.port}", ROS_HOSTNAME="localhost",
                           ROS_HOME=str(folder / "ros_home"))
         os.environ["ROS_PACKAGE_PATH"] = f"{ROOT}:{os.environ.get('ROS_PACKAGE_PATH', '')}"
-        self.master = self.begin(["roscore", "-p", str(port)], signal.SIGINT)
+        if with_master:
+            self.start_master()
+
+    def start_master(self):
+        self.master = self.begin(["roscore", "-p", str(self.port)], signal.SIGINT)
         if not wait_for(lambda: quiet("rosparam", "list") == 0, 60.0):
             raise RuntimeError("roscore does not answer.")
 
@@ -90,24 +94,25 @@ class Suite:
             process.kill()
             process.wait()
 
-    def interrupt(self, name):
-        """Seconds that a node takes to end after Ctrl-C; what does not end is killed, a crash."""
+    def interrupt(self, *names):
+        """Seconds that nodes take to end after Ctrl-C; what does not end is killed, a crash."""
         self.note_crashes()
-        process = self.running.pop(name, None)
-        if process is None:
-            return 0.0
-        begin = time.monotonic()
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(ENDED_AT_ONCE_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-            self.crashes.append(f"{name} did not end after SIGINT")
-            return ENDED_AT_ONCE_S
-        if process.returncode != 0:
-            self.crashes.append(f"{name} ended with {process.returncode} after SIGINT")
-        return time.monotonic() - begin
+        ending = {name: self.running.pop(name) for name in names if name in self.running}
+        begin, took_s = time.monotonic(), 0.0
+        for process in ending.values():
+            process.send_signal(signal.SIGINT)
+        for name, process in ending.items():
+            try:
+                process.wait(ENDED_AT_ONCE_S)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+                self.crashes.append(f"{name} did not end after SIGINT")
+            else:
+                if process.returncode != 0:
+                    self.crashes.append(f"{name} ended with {process.returncode} after SIGINT")
+            took_s = time.monotonic() - begin
+        return took_s
 
     def rss_mb(self):
         sizes = {}
@@ -140,7 +145,12 @@ class Suite:
             self.stop(player)
         for name in list(self.running):
             self.interrupt(name)
-        self.stop(self.master)
+        self.stop_master()
+
+    def stop_master(self):
+        if self.master:
+            self.stop(self.master)
+        self.master = None
 
 
 def cut_bags(bag, folder, count, seed):

@@ -3,14 +3,32 @@
 #include <exception>
 #include <filesystem>
 
+#include <ros/init.h>
+
 #include "common/error.h"
 
 namespace hymm {
+namespace {
+
+/// Breaks off the writing of a part when the node is to end: a large one takes longer than that
+/// may. The map before stays; what was begun is removed.
+class NodeWatch : public core::DiskWatch {
+ public:
+  void before(const std::string& step) override {
+    const bool tidies_up = step.rfind("remove", 0) == 0;
+    if (ros::isShuttingDown() && !tidies_up) {
+      throw core::OutputError("The node ends; the map is not saved.");
+    }
+  }
+};
+
+}  // namespace
 
 void writePart(const std::string& folder, const std::string& name, const core::MapPart& part,
                SaveState::Response& response) {
   try {
-    const core::SavedPart saved = core::MapFolder(folder).write(name, part);
+    NodeWatch watch;
+    const core::SavedPart saved = core::MapFolder(folder, &watch).write(name, part);
     response.name = saved.name;
     response.file = saved.file;
     response.bytes = saved.bytes;
