@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <ros/master.h>
 #include <ros/topic_manager.h>
 
 namespace hymm {
@@ -41,6 +42,10 @@ bool BoundedPublisher::disconnectIfStuck(double steady_now_s) {
   if (!isFull() || has_progressed_) progress_s_ = steady_now_s;
   has_progressed_ = false;
   if (steady_now_s - progress_s_ < bound_.patience_s) return false;
+  if (!ros::master::check()) {  // else advertising would wait for it, for ever
+    progress_s_ = steady_now_s;
+    return false;
+  }
   publisher_.shutdown();
   waiting_.clear();
   waiting_bytes_ = 0;

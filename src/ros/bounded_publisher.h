@@ -17,7 +17,8 @@ namespace hymm {
 /// taken, bounded by the number of messages only; this knows how many bytes that is. While the
 /// slowest reader has too much to take, isFull() asks the owner to wait, and to send what is then
 /// new. If that reader takes nothing for long, all readers are disconnected: those that live come
-/// back within moments, as new subscribers, and one that hung does when it goes on.
+/// back within moments, as new subscribers, and one that hung does when it goes on. Without a
+/// master, which tells them how, they stay connected.
 /// Not thread-safe. Not for latched topics, whose last message waits for ever.
 class BoundedPublisher {
  public:
