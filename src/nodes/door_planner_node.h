@@ -74,6 +74,9 @@ class DoorPlannerNode {
   PlanServer::End executeAction(const PlanPathGoal& goal);
 
   core::Plan plan(const Wish& wish, const std::function<bool()>& cancelled = nullptr);
+  /// Adds where the plan begins and where it may lead, by what has come. A refusal where that is
+  /// too little.
+  std::optional<core::Plan> addWhatIsKnown(const Wish& wish, core::PlanRequest& request);
   bool isOurFrame(const std::string& frame, const std::string& topic);
   void follow(const core::LandmarkMap& map);
   void keep(const Wish& wish, const core::Plan& plan);

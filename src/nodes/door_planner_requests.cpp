@@ -43,6 +43,29 @@ core::Plan refusal(core::PlanStatus status, const std::string& sentence) {
 
 }  // namespace
 
+std::optional<core::Plan> DoorPlannerNode::addWhatIsKnown(const Wish& wish,
+                                                          core::PlanRequest& request) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!wish.start && !vehicle_) {
+    return refusal(core::PlanStatus::kBadRequest,
+                   "No pose has come on 'pose' yet to start from; give a start.");
+  }
+  request.start = wish.start ? *wish.start : vehicle_->position();
+  request.start_heading = wish.start ? wish.start_heading : vehicle_->yaw_rad;
+  if (!(wish.lowest_information > 0.0)) return std::nullopt;
+  // The largest set that gives at least that much.
+  const auto set = level_sets_.lower_bound(wish.lowest_information);
+  if (set == level_sets_.end() || !set->second) {
+    return refusal(core::PlanStatus::kBelowInformation,
+                   "No level set of at least that information has come on 'level_sets'; "
+                   "is information_map running, with such a value?");
+  }
+  request.is_informed = [informed = set->second](const Eigen::Vector2d& place) {
+    return informed->contains(place);
+  };
+  return std::nullopt;
+}
+
 core::Plan DoorPlannerNode::plan(const Wish& wish, const std::function<bool()>& cancelled) {
   core::PlanRequest request;
   request.goal = wish.goal;
@@ -50,33 +73,7 @@ core::Plan DoorPlannerNode::plan(const Wish& wish, const std::function<bool()>& 
   request.weights = wish.weights;
   request.is_refined = wish.is_refined && config_.refinement.enabled;
   request.tolerance_m = wish.tolerance_m < 0.0 ? config_.tolerance_m : wish.tolerance_m;
-  std::shared_ptr<const InformedPlaces> informed;
-  std::optional<core::Plan> refused;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (wish.start || vehicle_) {
-      request.start = wish.start ? *wish.start : vehicle_->position();
-      request.start_heading = wish.start ? wish.start_heading : vehicle_->yaw_rad;
-    } else {
-      refused = refusal(core::PlanStatus::kBadRequest,
-                        "No pose has come on 'pose' yet to start from; give a start.");
-    }
-    if (wish.lowest_information > 0.0) {
-      // The largest set that gives at least that much.
-      const auto set = level_sets_.lower_bound(wish.lowest_information);
-      if (set != level_sets_.end()) informed = set->second;
-      if (!informed && !refused) {
-        refused = refusal(core::PlanStatus::kBelowInformation,
-                          "No level set of at least that information has come on 'level_sets'; "
-                          "is information_map running, with such a value?");
-      }
-    }
-  }
-  if (informed) {
-    request.is_informed = [informed](const Eigen::Vector2d& place) {
-      return informed->contains(place);
-    };
-  }
+  const std::optional<core::Plan> refused = addWhatIsKnown(wish, request);
   const double begin_s = steadyNow();
   const double end_s = begin_s + config_.time_limit_s;
   request.interrupted = [end_s, &cancelled] {
