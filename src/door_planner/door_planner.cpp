@@ -93,6 +93,7 @@ Plan DoorPlanner::plan(const PlanRequest& request) const {
   std::unique_ptr<DoorSearch> search = searches_->take();
   Plan plan = PlanQuery(*now, near.get(), config_, request).run(*search);
   searches_->giveBack(std::move(search));
+  plan.sentence += weighted_maps_.remarkOn(request.weights);
   return plan;
 }
 

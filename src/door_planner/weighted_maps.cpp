@@ -1,6 +1,7 @@
 #include "door_planner/weighted_maps.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "door_planner/plan_query.h"
@@ -70,6 +71,28 @@ void WeightedMaps::tell(Variant& variant) {
     if (variant.contents[ltr] != content) variant.map.setContent(ltr, *content);
   }
   variant.contents = contents_;
+}
+
+std::string WeightedMaps::remarkOn(const std::string& weights) const {
+  if (weights.empty()) return "";
+  std::set<std::string> held;
+  {
+    const std::lock_guard<std::mutex> lock(map_mutex_);
+    for (const auto& [ltr, content] : contents_) {
+      for (const auto& [layer, values] : content->properties) held.insert(layer);
+    }
+  }
+  std::string names = "distance, occupancy, unknown";
+  for (const std::string& layer : held) names += ", " + layer;
+  std::string remark;
+  std::vector<std::string> problems;  // told before, with the plan
+  for (const PropertyWeight& weight : PathCostConfig().with(weights, problems).weights(problems)) {
+    const std::string layer = weight.property.substr(0, weight.property.find('>'));
+    if (held.count(layer) > 0) continue;
+    remark += " No LTR holds anything of '" + layer +
+              "', whose weight changes nothing; there are " + names + ".";
+  }
+  return remark;
 }
 
 std::shared_ptr<const DoorGraph> WeightedMaps::graphFor(

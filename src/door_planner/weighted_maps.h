@@ -33,6 +33,10 @@ class WeightedMaps {
                                             const std::function<PlanStatus()>& interrupted,
                                             Plan& refused);
 
+  /// A sentence, after a blank, about each layer in `weights` that no LTR holds: perhaps it is
+  /// misspelt, perhaps nothing of it was measured yet. Empty if there is none.
+  std::string remarkOn(const std::string& weights) const;
+
  private:
   struct Variant {
     std::string weights;
@@ -47,7 +51,7 @@ class WeightedMaps {
   void tell(Variant& variant);
 
   DoorPlannerConfig config_;
-  std::mutex map_mutex_;  ///< over what follows
+  mutable std::mutex map_mutex_;  ///< over what follows
   std::vector<LtrView> ltrs_;
   std::vector<SolidLandmark> landmarks_;
   std::map<int, std::shared_ptr<const LtrContent>> contents_;

@@ -16,6 +16,7 @@ constexpr std::uint32_t kUnbounded = 0;    // a record with holes would be worth
 constexpr double kWriteDelay_s = 2.0;      // by stamps: what comes later than that is out of order
 constexpr std::size_t kMostAhead = 10000;  // stamps of what waits for scans that may never come
 constexpr double kModeWait_s = 5.0;        // by the wall, for the supervisor's first decision
+constexpr double kQuiet_s = 5.0;           // by the wall, after which nothing waits for later scans
 
 }  // namespace
 
@@ -85,6 +86,7 @@ void RecorderNode::addScan(const FilterAnswer& answer) {
                                : "the filter was reset; a new map begins");
   }
   last_health_ = health;
+  last_scan_wall_s_ = steadyNow();
   scans_.emplace(time_s, core::ScanRecord{fromMessage(pose), fromMessage(health), ""});
   if (!isWaitingForMode()) write(time_s - kWriteDelay_s);
 }
@@ -165,7 +167,8 @@ void RecorderNode::takeStatus(const FilterStatus& message) {
 
 core::RunTotals RecorderNode::totals() const {
   core::RunTotals totals;
-  totals.wall_s = steadyNow() - begin_wall_s_;
+  // To the last scan: a playback that is kept on the screen has long ended.
+  totals.wall_s = (scans_.empty() && isQuiet() ? last_scan_wall_s_ : steadyNow()) - begin_wall_s_;
   totals.gps_antenna_m = vehicle_.gps_antenna.T_base_sensor().position();
   totals.notes = {
       "Recorded live: peak_rss_mb is that of the node cekf_slam, cpu_s that node's and the dense "
@@ -190,8 +193,13 @@ core::RunTotals RecorderNode::totals() const {
   return totals;
 }
 
+bool RecorderNode::isQuiet() const {
+  return last_health_ && steadyNow() - last_scan_wall_s_ > kQuiet_s;
+}
+
 void RecorderNode::save() {
   const double begin_s = steadyNow();
+  if (isQuiet()) write(std::numeric_limits<double>::infinity());
   try {
     grid_.write();
     level_sets_.write();

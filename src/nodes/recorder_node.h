@@ -58,6 +58,7 @@ class RecorderNode {
   void write(double up_to_s);
   void writeScan(core::ScanRecord scan);
   bool isWaitingForMode() const;
+  bool isQuiet() const;
   void save();
   core::RunTotals totals() const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -78,6 +79,7 @@ class RecorderNode {
   std::multimap<double, core::GpsFix> fixes_;                  ///< by stamp, to be written
   std::optional<FilterHealth> last_health_;
   double begin_wall_s_;
+  double last_scan_wall_s_ = 0.0;
   std::size_t written_scans_ = 0;
   double saved_wall_s_ = 0.0;  ///< when the folder was last complete
   double save_ms_ = 0.0;       ///< what that took

@@ -63,7 +63,7 @@ MappedOutcome GridMapper::process(const MappedScan& step) {
     const MapOutcome scan = insert(posed);
     outcome.written = scan.accepted;
     outcome.reason = scan.reason;
-    if (!scan.accepted) ++counts_.not_written;
+    if (!scan.accepted && use_ != MapUse::kLocalise) ++counts_.not_written;
   }
   return outcome;
 }

@@ -122,14 +122,16 @@ Kind kindOf() {
   return {ros::message_traits::datatype<Message>(), decode<Message>};
 }
 
-Kind kindOfTopic(const std::string& name) {
-  if (name == "dead_reckoning") return kindOf<DeadReckoning>();
-  if (name == "odom") return kindOf<nav_msgs::Odometry>();
-  if (name == "scan") return kindOf<sensor_msgs::LaserScan>();
-  if (name == "points") return kindOf<sensor_msgs::PointCloud2>();
-  if (name == "detections") return kindOf<LandmarkObservations>();
-  if (name == "property_samples") return kindOf<PropertySample>();
-  return kindOf<sensor_msgs::NavSatFix>();
+/// Of each input, by our name of its topic.
+const std::map<std::string, Kind>& kinds() {
+  static const std::map<std::string, Kind> kinds = {{"dead_reckoning", kindOf<DeadReckoning>()},
+                                                    {"odom", kindOf<nav_msgs::Odometry>()},
+                                                    {"scan", kindOf<sensor_msgs::LaserScan>()},
+                                                    {"points", kindOf<sensor_msgs::PointCloud2>()},
+                                                    {"detections", kindOf<LandmarkObservations>()},
+                                                    {"property_samples", kindOf<PropertySample>()},
+                                                    {"gps/fix", kindOf<sensor_msgs::NavSatFix>()}};
+  return kinds;
 }
 
 std::string withoutSlash(const std::string& topic) {
@@ -137,6 +139,12 @@ std::string withoutSlash(const std::string& topic) {
 }
 
 }  // namespace
+
+std::vector<std::string> SensorBag::inputs() {
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : kinds()) names.push_back(name);
+  return names;
+}
 
 SensorBag::SensorBag(const std::string& path, const BagSelection& selection) : path_(path) {
   withBagErrors(path_, [&] {
@@ -165,7 +173,7 @@ void SensorBag::listTopics() {
 void SensorBag::choose(const std::string& name, const BagSelection& selection, bool required) {
   const auto remapping = selection.remappings.find(name);
   const std::string wanted = remapping == selection.remappings.end() ? name : remapping->second;
-  const Kind kind = kindOfTopic(name);
+  const Kind& kind = kinds().at(name);
   bool is_there = false;
   for (const auto& [topic, content] : topics_) {
     if (withoutSlash(topic) != withoutSlash(wanted) || content.messages == 0) continue;

@@ -33,6 +33,9 @@ class SensorBag {
   /// off, lacks a topic (those found are listed), or has another type of message under its name.
   SensorBag(const std::string& path, const BagSelection& selection);
 
+  /// Our names of the topics that a run can take.
+  static std::vector<std::string> inputs();
+
   /// Fills `tf` with /tf_static and with the first seconds of /tf: old recordings repeat fixed
   /// transforms there. Messages that cannot be decoded are skipped and counted.
   void readTransforms(tf2::BufferCore& tf);

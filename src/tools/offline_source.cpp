@@ -1,10 +1,12 @@
 #include "tools/offline_source.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <tf2/buffer_core.h>
 
 #include "common/error.h"
+#include "pipeline/suite_stages.h"
 #include "ros/cause_log.h"
 #include "ros/event_reader.h"
 #include "ros/grid_conversions.h"
@@ -67,15 +69,21 @@ class SampleReader {
 }  // namespace
 
 std::map<std::string, std::string> parseRemappings(const std::vector<std::string>& texts) {
+  const std::vector<std::string> inputs = SensorBag::inputs();
   std::map<std::string, std::string> remappings;
   std::vector<std::string> problems;
   for (const std::string& text : texts) {
     const std::size_t sign = text.find(":=");
     if (sign == std::string::npos || sign == 0 || sign + 2 == text.size()) {
       problems.push_back("--topic '" + text + "' should be like scan:=/front/scan.");
-    } else {
-      remappings[text.substr(0, sign)] = text.substr(sign + 2);
+      continue;
     }
+    const std::string name = text.substr(0, sign);
+    if (std::find(inputs.begin(), inputs.end(), name) == inputs.end()) {
+      problems.push_back("--topic '" + text + "': '" + name + "' is no input; there are " +
+                         core::listOf(inputs) + ".");
+    }
+    remappings[name] = text.substr(sign + 2);
   }
   if (!problems.empty()) throw core::ConfigError(problems);
   return remappings;

@@ -98,6 +98,11 @@ TEST_F(BadBag, AnotherTypeUnderTheNameOfATopic) {
               AllOf(HasSubstr("sensor_msgs/NavSatFix"), HasSubstr("sensor_msgs/LaserScan")));
 }
 
+TEST_F(BadBag, AnotherNameForATopicThatNobodyTakes) {
+  EXPECT_THAT(refusal(test::writeDriveBag(folder_ / "a.bag", {}), "--topic scn:=/front/scan"),
+              AllOf(HasSubstr("'scn' is no input"), HasSubstr("scan, ")));
+}
+
 TEST_F(BadBag, LaserThatStandsNobodyKnowsWhere) {
   test::Drive drive;
   drive.has_tf = false;

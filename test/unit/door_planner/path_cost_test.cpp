@@ -105,6 +105,22 @@ TEST(DoorPlanner, TakesWeightsThatARequestBrings) {
   EXPECT_NEAR(world.planner.plan(request).cost, 32.0, 1e-3);
 }
 
+TEST(DoorPlanner, TellsOfWeightsOfLayersThatNobodyMeasured) {
+  World world(freeGround);
+  show(world, {{"mud", [](const Vector2d&) { return 1.0F; }}});
+  PlanRequest request;
+  request.start = {8.0, 8.0};
+  request.goal = {40.0, 8.0};
+  request.weights = "mud 1; distance 2";
+  EXPECT_THAT(world.planner.plan(request).sentence, testing::Not(testing::HasSubstr("No LTR")));
+  request.weights = "mut 1; ice.in>out one_way 5";
+  const Plan plan = world.planner.plan(request);
+  EXPECT_TRUE(plan.ok());
+  EXPECT_THAT(plan.sentence,
+              testing::AllOf(testing::HasSubstr("'mut'"), testing::HasSubstr("unknown, mud."),
+                             testing::HasSubstr("'ice.in'")));
+}
+
 TEST(DoorPlanner, RefusesWeightsOfARequestThatCannotBeUsed) {
   const World world(freeGround);
   PlanRequest request;
