@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "src"
 PAGE = ROOT / "doc" / "topics_and_services.md"
 
-ADVERTISED = re.compile(r'\badvertise<([\w:]+)>\(\s*(?:\w+,\s*)?"([^"]+)"')
+ADVERTISED = re.compile(r'\b(?:advertise|serving)<([\w:]+)>\(\s*(?:\w+,\s*)?"([^"]+)"')
 SERVICE = re.compile(r'\badvertiseService\(\s*"([^"]+)"')
 SUBSCRIBED = re.compile(r'\b(?:subscribe(?:<([\w:]+)>)?|listen)\(\s*(?:\w+,\s*)?"([^"]+)"')
 ACTION = re.compile(r'\bmake_unique<PlanServer>\(\s*\w+,\s*"([^"]+)"')
