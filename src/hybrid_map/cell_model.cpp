@@ -11,6 +11,8 @@ void CellModel::merge(const float* source, float share, float* cell) const {
   for (int i = 0; i < channels(); ++i) cell[i] += share * source[i];
 }
 
+void CellModel::yieldTo(const float* /*later*/, float /*share*/, float* /*cell*/) const {}
+
 void CellModel::keep(float share, float* cell) const {
   for (int i = 0; i < channels(); ++i) cell[i] *= share;
 }
@@ -30,6 +32,8 @@ std::string listed(const std::vector<std::string>& names) {
 
 class OccupancyModel : public CellModel {
  public:
+  explicit OccupancyModel(const LogOddsLimits& limits) : limits_(limits) {}
+
   int channels() const override { return 1; }
   std::optional<std::string> problemWith(const LayerSample& sample) const override {
     static_cast<void>(sample);
@@ -42,8 +46,19 @@ class OccupancyModel : public CellModel {
     value.value = probabilityOf(static_cast<double>(cell[0]));
     return value;
   }
+  void merge(const float* source, float share, float* cell) const override {
+    cell[0] = std::clamp(cell[0] + share * source[0], limits_.least, limits_.most);
+  }
+  void yieldTo(const float* later, float share, float* cell) const override {
+    if (later[0] * cell[0] >= 0.0F) return;
+    const float remembered = later[0] > 0.0F ? limits_.most : limits_.least;
+    cell[0] *= 1.0F - share * std::min(1.0F, later[0] / remembered);
+  }
   bool isOfOnePlace(const float* cell) const override { return cell[0] > 0.0F; }
   double evidence(const float* cell) const override { return static_cast<double>(cell[0]); }
+
+ private:
+  LogOddsLimits limits_;
 };
 
 class GaussianModel : public CellModel {
@@ -192,7 +207,9 @@ class RateModel : public CellModel {
 
 }  // namespace
 
-std::unique_ptr<CellModel> makeOccupancyModel() { return std::make_unique<OccupancyModel>(); }
+std::unique_ptr<CellModel> makeOccupancyModel(const LogOddsLimits& limits) {
+  return std::make_unique<OccupancyModel>(limits);
+}
 std::unique_ptr<CellModel> makeGaussianModel() { return std::make_unique<GaussianModel>(); }
 std::unique_ptr<CellModel> makeCategoryModel(const std::vector<std::string>& categories) {
   return std::make_unique<CategoryModel>(categories);

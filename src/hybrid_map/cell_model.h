@@ -49,6 +49,11 @@ class CellModel {
   /// Adds `share` (0 to 1) of the evidence of another cell.
   virtual void merge(const float* source, float share, float* cell) const;
 
+  /// Before `share` of `later` is merged into `cell`, which was written before it: makes `cell`
+  /// forget what it would have forgotten, had both been written in one grid. Models without limits
+  /// forget nothing.
+  virtual void yieldTo(const float* later, float share, float* cell) const;
+
   /// Leaves `share` of a cell's evidence in it.
   virtual void keep(float share, float* cell) const;
 
@@ -61,8 +66,17 @@ class CellModel {
   virtual double evidence(const float* cell) const = 0;
 };
 
+/// Log-odds (1) beyond which a cell of the occupancy learns no more.
+struct LogOddsLimits {
+  float least = -std::numeric_limits<float>::infinity();
+  float most = std::numeric_limits<float>::infinity();
+};
+
 /// Probability of being occupied in log-odds (1). Beams write it directly; samples are refused.
-std::unique_ptr<CellModel> makeOccupancyModel();
+/// Also the sum of several cells stays within the limits, so that what changes can be relearned. Of
+/// what cells can remember, a later one has filled as much as it is on its way to its limit: in
+/// that proportion an earlier one forgets what it says against it.
+std::unique_ptr<CellModel> makeOccupancyModel(const LogOddsLimits& limits = {});
 
 /// A value that is the same over the cell, measured with known variance: salinity, humidity, height
 /// above the LTR's plane. Where measurements scatter more than they claim, the variance says so.

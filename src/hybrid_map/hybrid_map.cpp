@@ -8,6 +8,7 @@
 #include "common/state_archive.h"
 #include "hybrid_map/input_check.h"
 #include "hybrid_map/layer_writer.h"
+#include "hybrid_map/log_odds.h"
 #include "hybrid_map/scan_writer.h"
 #include "perception/scan_check.h"
 
@@ -20,13 +21,18 @@ HybridMapConfig checked(const HybridMapConfig& config) {
   return config;
 }
 
+LogOddsLimits limitsOf(const OccupancyConfig& occupancy) {
+  return {static_cast<float>(logOddsOf(occupancy.min_probability)),
+          static_cast<float>(logOddsOf(occupancy.max_probability))};
+}
+
 }  // namespace
 
 class HybridMap::Impl {
  public:
   explicit Impl(const HybridMapConfig& config)
       : config_(checked(config)),
-        layers_(config.layers, config.day_parts, ignored_problems_),
+        layers_(config.layers, config.day_parts, ignored_problems_, limitsOf(config.occupancy)),
         partition_(config.partition),
         writer_(config, layers_),
         scan_writer_(config.occupancy, partition_),

@@ -33,8 +33,8 @@ std::vector<std::string> wordsOf(const std::string& text) {
 }  // namespace
 
 LayerSet::LayerSet(const std::string& description, int day_parts,
-                   std::vector<std::string>& problems) {
-  add("occupancy", "occupancy", makeOccupancyModel());
+                   std::vector<std::string>& problems, const LogOddsLimits& occupancy_limits) {
+  add("occupancy", "occupancy", makeOccupancyModel(occupancy_limits));
   std::istringstream entries(description);
   for (std::string entry; std::getline(entries, entry, ';');) {
     std::vector<std::string> words = wordsOf(entry);

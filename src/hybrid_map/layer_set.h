@@ -16,7 +16,8 @@ class LayerSet {
   /// `description`: entries "NAME MODEL WORD…" separated by semicolons, as in
   ///   "height gaussian; terrain category grass asphalt; traffic rate dry wet".
   /// Adds a sentence to `problems` for each entry that cannot be used.
-  LayerSet(const std::string& description, int day_parts, std::vector<std::string>& problems);
+  LayerSet(const std::string& description, int day_parts, std::vector<std::string>& problems,
+           const LogOddsLimits& occupancy_limits = {});
 
   int count() const { return static_cast<int>(layers_.size()); }
   const std::string& name(int layer) const { return layers_[std::size_t(layer)].name; }

@@ -69,12 +69,16 @@ bool intersect(const WaitingTiles::Box& a, const WaitingTiles::Box& b) {
 }  // namespace
 
 /// Moves cells of one sheet into tiles of another, on the other's side of the line halfway between
-/// their anchors.
+/// their anchors, as if what was written later had been written on top of the other.
 class WaitingTiles::CellMove {
  public:
   CellMove(const WaitingTiles& tiles, Sheet& from, Sheet& to, const Eigen::Vector2d& from_middle,
            const Eigen::Vector2d& to_middle, std::uint64_t revision)
-      : layers_(tiles.layers_), from_(from), to_(to), revision_(revision) {
+      : layers_(tiles.layers_),
+        from_(from),
+        to_(to),
+        is_later_(from.written > to.written),
+        revision_(revision) {
     const Pose2 T_to_from = inverse(to.T_map_sheet) * from.T_map_sheet;
     const Pose2 T_from_map = inverse(from.T_map_sheet);
     turn_ = T_to_from.rotation();
@@ -86,6 +90,7 @@ class WaitingTiles::CellMove {
   }
 
   void run() {
+    if (is_later_) makeRoom();
     for (auto tile = from_.tiles.begin(); tile != from_.tiles.end();) {
       bool is_empty = false;
       if (mayMove(tile->first)) {
@@ -120,6 +125,36 @@ class WaitingTiles::CellMove {
     return false;
   }
 
+  /// Of all cells first: parts of several come to one, and must not make it forget each other.
+  void makeRoom() {
+    for (const auto& [place, tile] : from_.tiles) {
+      if (!mayMove(place)) continue;
+      for (int layer = 0; layer < layers_.count(); ++layer) {
+        if (tile.isEmpty(layer)) continue;
+        const CellModel& model = layers_.model(layer);
+        for (int index = 0; index < tile.cellCount(); ++index) {
+          const float* cell = tile.read(layers_, layer, index);
+          const Eigen::Vector2d corner = cornerOf(place, index);
+          if (!hasEvidence(cell, layers_.channels(layer)) || !isBeyondSeam(middleOf(corner))) {
+            continue;
+          }
+          const std::size_t parts = partsOf(model, cell);
+          const float share = 1.0F / static_cast<float>(parts);
+          visitTargets(corner, layer, parts,
+                       [&](float* target) { model.yieldTo(cell, share, target); });
+        }
+      }
+    }
+  }
+
+  static Eigen::Vector2d cornerOf(const TilePlace& place, int index) {
+    return {place.first * kTileCells + index % kTileCells,
+            place.second * kTileCells + index / kTileCells};
+  }
+  static Eigen::Vector2d middleOf(const Eigen::Vector2d& corner) {
+    return corner + Eigen::Vector2d(0.5, 0.5);
+  }
+
   /// Returns whether nothing is left.
   bool moveLayer(const TilePlace& place, CellStore& tile, int layer) {
     if (tile.isEmpty(layer)) return true;
@@ -129,12 +164,10 @@ class WaitingTiles::CellMove {
     bool is_empty = true, has_moved = false;
     for (int index = 0; index < tile.cellCount(); ++index, cell += channels) {
       if (!hasEvidence(cell, channels)) continue;
-      const Eigen::Vector2d corner(place.first * kTileCells + index % kTileCells,
-                                   place.second * kTileCells + index / kTileCells);
+      const Eigen::Vector2d corner = cornerOf(place, index);
       const std::size_t parts = partsOf(layers_.model(layer), cell);
-      const std::size_t moved = isBeyondSeam(corner + Eigen::Vector2d(0.5, 0.5))
-                                    ? moveCell(corner, layer, cell, parts)
-                                    : 0;
+      const std::size_t moved =
+          isBeyondSeam(middleOf(corner)) ? moveCell(corner, layer, cell, parts) : 0;
       const float left = static_cast<float>(parts - moved) / static_cast<float>(parts);
       if (moved > 0) layers_.model(layer).keep(left, cell);
       has_moved = has_moved || moved > 0;
@@ -147,20 +180,36 @@ class WaitingTiles::CellMove {
   /// Returns how many of the first `parts` of the cell found a tile.
   std::size_t moveCell(const Eigen::Vector2d& corner, int layer, const float* cell,
                        std::size_t parts) {
+    const CellModel& model = layers_.model(layer);
+    const float share = 1.0F / static_cast<float>(parts);
+    return visitTargets(corner, layer, parts, [&](float* target) {
+      if (is_later_) {
+        model.merge(cell, share, target);
+        return;
+      }
+      earlier_.assign(cell, cell + layers_.channels(layer));
+      model.yieldTo(target, 1.0F, earlier_.data());
+      model.merge(earlier_.data(), share, target);
+    });
+  }
+
+  /// Visits the cells to which the first `parts` of a cell belong. Returns how many found a tile.
+  template <class Visit>
+  std::size_t visitTargets(const Eigen::Vector2d& corner, int layer, std::size_t parts,
+                           Visit&& visit) {
     const Eigen::Vector2d other = toOther(corner);
-    std::size_t moved = 0;
+    std::size_t found = 0;
     for (std::size_t part = 0; part < parts; ++part) {
       const Eigen::Vector2d at = other + parts_[part];
       const int i = static_cast<int>(std::floor(at.x())), j = static_cast<int>(std::floor(at.y()));
       const int in_i = i & (kTileCells - 1), in_j = j & (kTileCells - 1);
       CellStore* tile = tileAt({(i - in_i) / kTileCells, (j - in_j) / kTileCells});
       if (tile == nullptr) continue;
-      float* target = tile->write(layers_, layer, revision_) +
-                      std::ptrdiff_t{in_j * kTileCells + in_i} * layers_.channels(layer);
-      layers_.model(layer).merge(cell, 1.0F / static_cast<float>(parts), target);
-      ++moved;
+      visit(tile->write(layers_, layer, revision_) +
+            std::ptrdiff_t{in_j * kTileCells + in_i} * layers_.channels(layer));
+      ++found;
     }
-    return moved;
+    return found;
   }
 
   CellStore* tileAt(const TilePlace& place) {
@@ -175,12 +224,14 @@ class WaitingTiles::CellMove {
 
   const LayerSet& layers_;
   Sheet &from_, &to_;
+  bool is_later_;  ///< whether `from` was written after `to`
   std::uint64_t revision_;
   Eigen::Matrix2d turn_;               ///< from cells of `from` to those of `to`
   Eigen::Vector2d shift_;              ///< likewise
   Eigen::Vector2d halfway_, towards_;  ///< in cells of `from`
   double seam_;                        ///< cells
   std::array<Eigen::Vector2d, kCellParts.size()> parts_;
+  std::vector<float> earlier_;  ///< a cell
   CellStore* last_tile_ = nullptr;
   TilePlace last_place_{};
   bool has_looked_ = false;
@@ -244,6 +295,7 @@ void WaitingTiles::join(const LandmarkMap& map, const LandmarkPlaces& landmarks,
     CellMove(*this, *a->sheet, *b->sheet, a->middle, b->middle, revision).run();
     CellMove(*this, *b->sheet, *a->sheet, b->middle, a->middle, revision).run();
     joined_[{a->sheet->id, b->sheet->id}] = revision;
+    a->sheet->written = b->sheet->written = std::max(a->sheet->written, b->sheet->written);
   }
 }
 

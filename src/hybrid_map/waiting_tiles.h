@@ -37,7 +37,8 @@ struct WaitingTile {
 /// Observations outside of every LTR wait here until one covers them. They lie in square cells of a
 /// sheet, which moves with the two landmarks that it is anchored to (one, or none, where there are
 /// no more), and is written only near them. What two sheets hold of one place comes together in the
-/// one whose anchors are nearer, once it is known how the sheets lie to each other.
+/// one whose anchors are nearer, once it is known how the sheets lie to each other, as if what was
+/// seen later had been written on top.
 class WaitingTiles {
  public:
   /// `layers` outlives the object.
@@ -113,7 +114,8 @@ class WaitingTiles {
     Pose2 T_map_sheet;
     Pose2 T_anchors_sheet;
     std::map<TilePlace, CellStore> tiles;
-    std::uint64_t written = 0;  ///< the map's revision when it was last selected and written
+    /// The map's revision when it, or what has come to it, was last selected and written.
+    std::uint64_t written = 0;
   };
 
   Pose2 anchorFrame(const std::pair<int, int>& anchors, const LandmarkPlaces& landmarks) const;

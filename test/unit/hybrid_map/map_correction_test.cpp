@@ -113,6 +113,10 @@ RC_GTEST_PROP(HybridMap, LosesNoObservationWhateverTheLandmarksDo, ()) {
   const auto uniform = [&](double low, double high) { return sampleUniform(generator, low, high); };
   HybridMapConfig config = withLayers();
   config.resolution_m = 0.5;
+  // Beams tell of free space alone, and too few to reach the limit: of what contradicts itself, and
+  // of what exceeds a limit, some is forgotten.
+  config.occupancy.hit_probability = 0.5;
+  config.occupancy.min_probability = 0.001;
   HybridMap map(config);
   LandmarkMap landmarks;
   int next_id = 0;

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "hybrid_map/log_odds.h"
 #include "small_maps.h"
 
 namespace hymm::core {
@@ -106,6 +107,23 @@ struct TwoSheets {
     return count;
   }
 
+  /// The largest probability of being occupied that any sheet knows within a cell of a place.
+  double most(const Eigen::Vector2d& place) const {
+    double most = 0.0;
+    const double reach_m = map.resolution_m();
+    map.waiting().visitTiles(LayerSet::kOccupancy, [&](const WaitingTile& tile) {
+      for (int index = 0; index < WaitingTile::kCells * WaitingTile::kCells; ++index) {
+        const Eigen::Vector2d cell(index % WaitingTile::kCells + 0.5,
+                                   index / WaitingTile::kCells + 0.5);
+        const Eigen::Vector2d off = tile.T_map_cells * (tile.resolution_m * cell) - place;
+        const float* log_odds = tile.cells->read(map.layers(), LayerSet::kOccupancy, index);
+        if (off.cwiseAbs().maxCoeff() > reach_m || *log_odds == 0.0F) continue;
+        most = std::max(most, probabilityOf(static_cast<double>(*log_odds)));
+      }
+    });
+    return most;
+  }
+
   LandmarkMap landmarks = mapOf({{0.0, 0.0}, {12.0, 0.0}, {40.0, 0.0}, {52.0, 0.0}});
   HybridMap map;
 };
@@ -124,6 +142,39 @@ TEST(HybridMap, WhatTwoSheetsSawOfOnePlaceComesTogether) {
   EXPECT_EQ(two.sheetsAt({27.1, 5.0}), 1);
   EXPECT_EQ(two.sheetsAt({26.0, 5.0}), 2);  // the seam
   EXPECT_NEAR(two.map.evidenceWaiting(0), before, 1e-4);
+}
+
+TEST(HybridMap, AnObstacleSeenLaterInAnotherSheetStandsAsInOneGrid) {
+  // At first there is nothing at x = 24.9 m, as the sheet on the left knows. Then, seen from the
+  // right, there is.
+  TwoSheets two;
+  for (int scan = 0; scan < 50; ++scan) two.lookRight();
+  for (int scan = 0; scan < 10; ++scan) two.map.insert(beam({46.0, 5.0, M_PI}, 21.1));
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  two.tellAgain();
+  EXPECT_EQ(two.sheetsAt({24.9, 5.0}), 1);
+  EXPECT_GT(two.most({24.9, 5.0}), 0.9);
+}
+
+TEST(HybridMap, AnObstacleThatIsNoMoreThereInALaterSheetIsForgotten) {
+  TwoSheets two;
+  for (int scan = 0; scan < 10; ++scan) two.map.insert(beam({46.0, 5.0, M_PI}, 21.1));
+  for (int scan = 0; scan < 50; ++scan) two.lookRight();
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  two.tellAgain();
+  EXPECT_EQ(two.sheetsAt({24.9, 5.0}), 1);
+  EXPECT_LT(two.most({24.9, 5.0}), 0.1);
+}
+
+TEST(HybridMap, WhatComesTogetherFromManySheetsCanBeRelearned) {
+  // Both sheets know for certain that there is nothing; together they are no more certain.
+  TwoSheets two;
+  for (int scan = 0; scan < 50; ++scan) two.lookRight();
+  for (int scan = 0; scan < 50; ++scan) two.lookLeft();
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  two.tellAgain();
+  ASSERT_EQ(two.sheetsAt({24.9, 5.0}), 1);
+  EXPECT_NEAR(two.most({24.9, 5.0}), 0.03, 1e-4);
 }
 
 TEST(HybridMap, SheetsThatAreNotCertainOfEachOtherStayApart) {
