@@ -9,12 +9,20 @@
 namespace hymm::core {
 namespace {
 
-// A walker of 0.5 m/s has left a cell and those around, and beams have passed it since; what still
-// stands there then has come to stay.
-constexpr double kEntered_s = 2.0;
+// Cells that must be free to each side of a hit: one for the pose, which may be off by about a
+// cell (max_pose_deviation_m), and one because the map's cells lie otherwise than these.
+constexpr int kMargin = 2;
 
-// What is met in a cell more often than that, or beside more often than that, stands.
-constexpr int kMostHits = 1, kMostHitsBeside = 4;
+// Cells across the block in which the map's cell of a place may lie, and across the block that is
+// looked at around a hit.
+constexpr int kAcrossPlace = 3, kAcrossAll = kAcrossPlace + 2 * kMargin;
+
+// What is slower stands: of people who walk, the slowest.
+constexpr double kSlowest_mps = 0.5;
+
+// Of a box, and of all that is round, one face at least that a laser sees is turned away from it by
+// at most 45 degrees: there ranges differ from beam to beam by no more than beams lie apart.
+constexpr double kSteepestRise = 1.0;
 
 }  // namespace
 
@@ -64,42 +72,47 @@ TrafficCounter::Cell TrafficCounter::cellOf(const Eigen::Vector2d& place) const 
   return {static_cast<int>(cell.x()), static_cast<int>(cell.y())};
 }
 
-/// In cells there and beside: the map's cells lie otherwise.
-int TrafficCounter::hitsSinceEntered(const Eigen::Vector2d& place) const {
-  int hits = 0;
-  if (entered_.empty()) return hits;
+/// What something that moves takes at most to leave so many cells in a row.
+double TrafficCounter::timeToLeave_s(int cells) const { return cells * cell_m_ / kSlowest_mps; }
+
+/// Whether nothing was met there before a time, but something since. Cells beside count as there:
+/// the map's cells lie otherwise.
+bool TrafficCounter::wasFreeAt(const Eigen::Vector2d& place, double time_s) const {
+  if (entered_.empty()) return false;
   const Cell cell = cellOf(place);
+  bool is_entered = false;
   for (const int x : {-1, 0, 1}) {
     for (const int y : {-1, 0, 1}) {
       const auto entered = entered_.find({cell.first + x, cell.second + y});
-      if (entered != entered_.end()) hits = std::max(hits, entered->second.hits);
+      if (entered == entered_.end()) continue;
+      if (entered->second < time_s) return false;
+      is_entered = true;
     }
   }
-  return hits;
-}
-
-bool TrafficCounter::wasFree(const Eigen::Vector2d& place, int most_hits) const {
-  const int hits = hitsSinceEntered(place);
-  return hits > 0 && hits <= most_hits;
+  return is_entered;
 }
 
 void TrafficCounter::forgetEntered(double time_s) {
   for (auto cell = entered_.begin(); cell != entered_.end();) {
-    const bool is_over =
-        time_s < cell->second.since_s || time_s > cell->second.since_s + kEntered_s;
+    const bool is_over = time_s < cell->second || time_s > cell->second + timeToLeave_s(kAcrossAll);
     cell = is_over ? entered_.erase(cell) : std::next(cell);
   }
 }
 
 /// A hit beside something that stands, or beside the unknown behind it, is most likely that: the
 /// hit's cell may be off by one, and the map's as well.
-bool TrafficCounter::isCertainlyFree(const Eigen::Vector2d& place,
+bool TrafficCounter::isCertainlyFree(const Eigen::Vector2d& place, double time_s,
                                      const Occupancy& occupancy) const {
-  if (!(occupancy(place) < free_log_odds_) && !wasFree(place, kMostHits)) return false;
-  for (const double x : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
-    for (const double y : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
+  if (!(occupancy(place) < free_log_odds_) &&
+      !wasFreeAt(place, time_s - timeToLeave_s(kAcrossPlace))) {
+    return false;
+  }
+  for (int x = -kMargin; x <= kMargin; ++x) {
+    for (int y = -kMargin; y <= kMargin; ++y) {
       const Eigen::Vector2d beside = place + cell_m_ * Eigen::Vector2d(x, y);
-      if (occupancy(beside) >= 0.0F && !wasFree(beside, kMostHitsBeside)) return false;
+      if (occupancy(beside) >= 0.0F && !wasFreeAt(beside, time_s - timeToLeave_s(kAcrossAll))) {
+        return false;
+      }
     }
   }
   return true;
@@ -116,7 +129,7 @@ std::size_t TrafficCounter::look(const LaserScan& scan, const Pose2& T_map_laser
     watch(scan, T_map_laser, range_m);
   }
   forgetEntered(scan.time_s);
-  std::vector<Eigen::Vector2d> run;  // ends of beams side by side that met something that moves
+  Run run;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
     const bool is_hit = scan.isHit(range) && range <= range_m;
@@ -124,24 +137,33 @@ std::size_t TrafficCounter::look(const LaserScan& scan, const Pose2& T_map_laser
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
     const Pose2 T_map_beam = scan.poseAtBeam(i, T_map_laser);
     const Eigen::Vector2d end = T_map_beam * ((is_hit ? range : 0.0) * along);
-    const bool moves = is_hit && isCertainlyFree(end, occupancy);
-    const bool continues = !run.empty() && (end - run.back()).norm() <= config_.square_m;
-    if (!moves || !continues) finishRun(run, scan.time_s);
-    if (moves) run.push_back(end);
+    const bool moves = is_hit && isCertainlyFree(end, scan.time_s, occupancy);
+    const bool continues = !run.ends.empty() && (end - run.ends.back()).norm() <= config_.square_m;
+    if (!moves || !continues) finish(run, scan.time_s);
+    if (moves) extend(run, end, range, std::abs(scan.angle_increment_rad));
   }
-  finishRun(run, scan.time_s);
+  finish(run, scan.time_s);
   return moved;
 }
 
+void TrafficCounter::extend(Run& run, const Eigen::Vector2d& end, double range_m,
+                            double spacing_rad) {
+  const double apart_m = std::min(range_m, run.last_range_m) * spacing_rad;
+  const double rise_m = std::abs(range_m - run.last_range_m);
+  if (!run.ends.empty() && rise_m <= kSteepestRise * apart_m) run.has_steep_face = true;
+  run.ends.push_back(end);
+  run.last_range_m = range_m;
+}
+
 /// What is slimmer than an object of interest is more likely a post that no beam met before.
-void TrafficCounter::finishRun(std::vector<Eigen::Vector2d>& run, double time_s) {
-  for (const Eigen::Vector2d& end : run) {
-    ++entered_.try_emplace(cellOf(end), Entered{time_s, 0}).first->second.hits;
+void TrafficCounter::finish(Run& run, double time_s) {
+  for (const Eigen::Vector2d& end : run.ends) entered_.try_emplace(cellOf(end), time_s);
+  const bool is_wide =
+      !run.ends.empty() && (run.ends.back() - run.ends.front()).norm() >= config_.min_width_m;
+  if (is_wide && run.has_steep_face) {
+    for (const Eigen::Vector2d& end : run.ends) squares_[squareOf(end)] = true;
   }
-  if (!run.empty() && (run.back() - run.front()).norm() >= config_.min_width_m) {
-    for (const Eigen::Vector2d& end : run) squares_[squareOf(end)] = true;
-  }
-  run.clear();
+  run = {};
 }
 
 /// All squares that beams pass are watched.

@@ -30,9 +30,12 @@ struct TrafficConfig {
 
 /// Finds moving objects that the occupancy itself reveals, and counts them for a rate layer: beams
 /// side by side, over at least `min_width_m`, that end where the map was certain that nothing
-/// stands, all being free two cells around. What was free a moment ago and was hardly met since
-/// counts as free: objects that move occupy cells on their way. Places are squares of `square_m`;
-/// what is there counts once a period, as does the time for which a square was watched.
+/// stands, all being free two cells around. Some of them must meet a face that looks their way: a
+/// wall along which the laser looks sends back nothing before it is near. What was free until a
+/// moment ago counts as free: objects that move occupy cells on their way. A moment is what an
+/// object that moves takes to leave the cells that are looked at; what is still met there
+/// then has come to stay. Places are squares of `square_m`; what is there counts once a period, as
+/// does the time for which a square was watched.
 class TrafficCounter {
  public:
   /// A sentence in `problems` if the layer is not there, or takes no such samples.
@@ -62,18 +65,21 @@ class TrafficCounter {
  private:
   using Square = std::pair<int, int>;
   using Cell = std::pair<int, int>;
-  /// A free cell in which something was met: since when, and how often.
-  struct Entered {
-    double since_s;
-    int hits;
+  /// Ends of beams side by side that met something that moves.
+  struct Run {
+    std::vector<Eigen::Vector2d> ends;
+    double last_range_m = 0.0;
+    bool has_steep_face = false;
   };
 
-  void finishRun(std::vector<Eigen::Vector2d>& run, double time_s);
+  static void extend(Run& run, const Eigen::Vector2d& end, double range_m, double spacing_rad);
+  void finish(Run& run, double time_s);
   Square squareOf(const Eigen::Vector2d& place) const;
   Cell cellOf(const Eigen::Vector2d& place) const;
-  bool isCertainlyFree(const Eigen::Vector2d& place, const Occupancy& occupancy) const;
-  int hitsSinceEntered(const Eigen::Vector2d& place) const;
-  bool wasFree(const Eigen::Vector2d& place, int most_hits) const;
+  double timeToLeave_s(int cells) const;
+  bool isCertainlyFree(const Eigen::Vector2d& place, double time_s,
+                       const Occupancy& occupancy) const;
+  bool wasFreeAt(const Eigen::Vector2d& place, double time_s) const;
   void forgetEntered(double time_s);
   void watch(const LaserScan& scan, const Pose2& T_map_laser, double range_m);
   std::size_t handOut(double time_s, const Taker& take);
@@ -84,7 +90,7 @@ class TrafficCounter {
   float free_log_odds_;
   std::map<Square, bool> squares_;  ///< watched in this period; whether something moved there
   std::optional<double> period_start_s_;
-  std::map<Cell, Entered> entered_;
+  std::map<Cell, double> entered_;  ///< free cells in which something was met: since when [s]
 };
 
 }  // namespace hymm::core

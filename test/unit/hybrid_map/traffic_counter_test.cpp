@@ -86,6 +86,35 @@ TEST(TrafficCounter, OneBeamAloneIsNoObject) {
   EXPECT_EQ(map.counts().moving_objects, 0U);
 }
 
+TEST(TrafficCounter, AWallAlongWhichTheLaserLooksIsNoObjectWhenItIsSeenAtLast) {
+  // Beam by beam 0.4 m farther away, where beams lie 0.1 m apart: nothing of it looks this way.
+  HybridMap map(counting());
+  ASSERT_TRUE(map.apply(mapOf({{-10, -10}, {10, -10}, {10, 10}, {-10.5, 10}})).accepted);
+  for (int i = 0; i < 40; ++i) map.insert(scanAt(0.25 * i, {}));
+  for (int i = 40; i < 43; ++i) {
+    map.insert(scanAt(0.25 * i, {{90, 4.5}, {91, 4.9}, {92, 5.3}, {93, 5.7}}));
+  }
+  for (int i = 43; i < 53; ++i) map.insert(scanAt(0.25 * i, {}));
+  EXPECT_EQ(map.counts().moving_objects, 0U);
+}
+
+TEST(TrafficCounter, WhatHasComeToStayMovesNoLonger) {
+  HybridMap map(counting());
+  ASSERT_TRUE(map.apply(mapOf({{-10, -10}, {10, -10}, {10, 10}, {-10.5, 10}})).accepted);
+  for (int i = 0; i < 40; ++i) map.insert(scanAt(0.25 * i, {}));
+  const auto stand = [&](double from_s, double until_s) {
+    for (double time_s = from_s; time_s < until_s; time_s += 0.25) {
+      map.insert(scanAt(time_s, {{92, 4.5}, {93, 4.5}, {94, 4.5}, {95, 4.5}, {96, 4.5}}));
+    }
+  };
+  // Who walks has left three cells of 0.2 m within 1.2 s, and the next period tells.
+  stand(10.0, 13.0);
+  const std::size_t came = map.counts().moving_objects;
+  EXPECT_GT(came, 0U);
+  stand(13.0, 30.0);
+  EXPECT_EQ(map.counts().moving_objects, came);
+}
+
 TEST(TrafficCounter, IsRefusedWithoutARateLayer) {
   const auto problemOf = [](const std::string& layers, const std::string& layer) {
     HybridMapConfig config;
