@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -31,7 +32,8 @@ namespace {
 
 constexpr double kResolution_m = 0.2;
 constexpr const char* kLayer = "salinity";
-constexpr double kReach_m = 60.0;  // around the true world, that the peer's array covers
+constexpr double kReach_m = 60.0;    // around the true world, that the peer's array covers
+constexpr double kPicture_m = 17.0;  // from the middle of the experiment's picture to its corners
 
 struct Options {
   std::string world;
@@ -153,27 +155,43 @@ class Drive {
     exportPgm(flat_.image(), folder / (prefix + "_flat"));
   }
 
-  /// Where the closure moved the map most: the landmark that is elsewhere now than when this was
-  /// called first.
-  void reportLargestShift() {
+  /// From here on the map's places are compared with those of now.
+  void rememberPlaces() {
     const LandmarkMap map = filter_.landmarkMap(0.0);
+    for (const auto& landmark : map.landmarks) places_before_[landmark.id] = landmark.position;
+    sensor_path_.clear();
+  }
+
+  /// Where the map moved most of what no beam has reached since: the landmark farthest from where
+  /// it was, of those around which all within `around_m` was out of range ever since. What is there
+  /// now was not observed anew; it followed.
+  void reportLargestShift(double around_m) {
+    const double reach_m = options_.config.hymm_grid.map.occupancy.range_m + around_m;
+    const LandmarkEstimate* farthest = nullptr;
     double largest_m = -1.0;
-    Eigen::Vector2d place = Eigen::Vector2d::Zero();
+    const LandmarkMap map = filter_.landmarkMap(0.0);
     for (const LandmarkEstimate& landmark : map.landmarks) {
       const auto before = places_before_.find(landmark.id);
       if (before == places_before_.end()) continue;
       const double shift_m = (landmark.position - before->second).norm();
-      if (shift_m <= largest_m) continue;
+      if (shift_m <= largest_m || distanceToPath(landmark.position) <= reach_m) continue;
       largest_m = shift_m;
-      place = landmark.position;
+      farthest = &landmark;
     }
-    if (places_before_.empty()) {
-      for (const auto& landmark : map.landmarks) places_before_[landmark.id] = landmark.position;
-      return;
-    }
+    if (farthest == nullptr) return;
     print("largest_shift_m", largest_m);
-    print("largest_shift_x_m", place.x());
-    print("largest_shift_y_m", place.y());
+    print("largest_shift_x_m", farthest->position.x());
+    print("largest_shift_y_m", farthest->position.y());
+    print("largest_shift_nearest_scan_m", distanceToPath(farthest->position));
+    std::cout << "  \"largest_shift_truth\": [";
+    const char* separator = "";
+    for (const TrueLandmark& landmark : simulation_.landmarks()) {
+      if ((landmark.position - farthest->position).norm() > around_m) continue;
+      std::cout << separator << '[' << landmark.position.x() << ", " << landmark.position.y()
+                << ']';
+      separator = ", ";
+    }
+    std::cout << "],\n";
   }
 
   /// Of what share of the beams that reached them those cells stopped that the map misses, and the
@@ -207,6 +225,15 @@ class Drive {
     std::cout << "  \"" << name << "\": " << value << ",\n";
   }
 
+  /// From a place to where the sensor was since rememberPlaces(), at its nearest.
+  double distanceToPath(const Eigen::Vector2d& place) const {
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector2d& at : sensor_path_) {
+      nearest_m = std::min(nearest_m, (at - place).norm());
+    }
+    return nearest_m;
+  }
+
   void take(const ScanEvent& scan, const ScanOutcome& outcome, const Pose2& T_map_base_true) {
     time_s_ = outcome.pose.time_s;
     correction_m_ = outcome.largest_correction_m;
@@ -227,6 +254,7 @@ class Drive {
     if (mapping.written) {
       const PosedScan posed = mapper_.posed(scan.scan, outcome.pose);
       flat_.insert(posed.scan, posed.T_map_laser);
+      sensor_path_.push_back(posed.T_map_laser.position());
       const Pose2 T_map_laser_true = T_map_base_true * scan.T_base_laser;
       truly_placed_.insert(posed.scan, T_map_laser_true);
       noteSeen(scan, T_map_laser_true);
@@ -313,6 +341,7 @@ class Drive {
   benchmarks::FlatGrid truly_placed_;  ///< the same scans at the true poses
   BeamOutcomes outcomes_;
   std::unordered_map<int, Eigen::Vector2d> places_before_;  ///< the closure, by landmark
+  std::vector<Eigen::Vector2d> sensor_path_;  ///< since then, where scans were written
   MapMemoryLog memory_;
   StampSchedule memory_due_{kMemoryLogPeriod_s};
   LtrPlacement placement_;
@@ -344,11 +373,11 @@ void run(const Options& options) {
   while (drive.next()) {
     if (!before && drive.time_s() > closure_s - 1.0) {
       drive.report("before");
-      drive.reportLargestShift();
+      drive.rememberPlaces();
       before = true;
     } else if (!after && drive.time_s() > closure_s + kSettled_s) {
       drive.report("after");
-      drive.reportLargestShift();
+      drive.reportLargestShift(kPicture_m);
       after = true;
     }
     if (drive.progress() * options.laps >= laps + 1) drive.report("lap_" + std::to_string(++laps));

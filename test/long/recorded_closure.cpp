@@ -1,12 +1,15 @@
 // A recording of ACFR's car through the filter with the dense map behind it, beside a plain global
 // grid that is fed with the same scans at the same estimated poses. Prints, as JSON, the largest
 // correction of the map, what the map takes in each form of compression and how fast it is made;
-// writes pictures of both maps (pgm) before and after that correction and at the end.
+// writes pictures of both maps (pgm) before and after that correction and at the end, and where
+// beams ended that met a rise of the ground in Victoria Park (rise.csv).
 //
 //   recorded_closure RECORDING OUTPUT CONFIG_FOLDER CONFIG...
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <stdexcept>
 #include <string>
@@ -23,6 +26,9 @@ namespace {
 
 // Victoria Park's drive stays within these of its start.
 const Eigen::Vector2d kLow(-350.0, -350.0), kHigh(350.0, 350.0);
+
+// Around a line that looks like a fence there, and swings from scan to scan.
+const Eigen::Vector2d kRiseLow(14.0, 188.0), kRiseHigh(34.0, 212.0);
 
 struct Options {
   std::string recording, output;
@@ -75,6 +81,19 @@ void writeImages(const test::MappingDrive& drive, const std::string& stage,
   exportPgm(drive.flat().image(), folder / (stage + "_flat"));
 }
 
+void writeEnds(const PosedScan& posed, double range_m, std::ostream& file) {
+  for (std::size_t i = 0; i < posed.scan.ranges_m.size(); ++i) {
+    const auto range = static_cast<double>(posed.scan.ranges_m[i]);
+    if (!posed.scan.isHit(range) || range > range_m) continue;
+    const double bearing = posed.scan.bearing(i);
+    const Eigen::Vector2d end = posed.scan.poseAtBeam(i, posed.T_map_laser) *
+                                (range * Eigen::Vector2d(std::cos(bearing), std::sin(bearing)));
+    const bool is_there =
+        (end.array() > kRiseLow.array()).all() && (end.array() < kRiseHigh.array()).all();
+    if (is_there) file << posed.scan.time_s << ',' << end.x() << ',' << end.y() << '\n';
+  }
+}
+
 void run(const Options& options) {
   constexpr double kSettled_s = 10.0;  // the correction comes in several steps
   const std::vector<SensorEvent> events = eventsOf(readAcfr({options.recording}), options.config);
@@ -83,10 +102,15 @@ void run(const Options& options) {
   print("closure_s", closure.time_s - timeOf(events.front()));
 
   test::MappingDrive drive(options.config, kLow, kHigh);
+  std::ofstream ends(std::filesystem::path(options.output) / "rise.csv");
+  ends << std::fixed << "t,x,y\n";
   bool before = false, after = false;
   for (const SensorEvent& event : events) {
     const auto step = drive.process(event);
     if (!step) continue;
+    if (step->written) {
+      writeEnds(*step->written, options.config.hymm_grid.map.occupancy.range_m, ends);
+    }
     const Pose2& pose = step->outcome.pose.T_map_base;
     if (!before && step->outcome.pose.time_s > closure.time_s - 1.0) {
       before = true;
