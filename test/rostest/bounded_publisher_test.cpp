@@ -113,6 +113,13 @@ class BoundedPublisherTest : public testing::Test {
     ++sent_;
   }
 
+  bool publishUntil(const std::function<bool()>& condition) {
+    return waitFor([&] {
+      if (!publisher_.isFull()) publish();
+      return condition();
+    });
+  }
+
   /// Until the bound is reached, and the reader that lives has got all.
   void fillTheOther() {
     hung_.hang();
@@ -151,11 +158,13 @@ TEST_F(BoundedPublisherTest, DisconnectsAReaderThatTakesNothingAndServesAllAnew)
   EXPECT_FALSE(publisher_.disconnectIfStuck(99.9 + kBound.patience_s));
   EXPECT_TRUE(publisher_.disconnectIfStuck(100.1 + kBound.patience_s));
   EXPECT_EQ(publisher_.waitingBytes(), 0U);
-  EXPECT_TRUE(waitFor([this] { return served_ == 3; })) << "the reader that lives does not return";
-  publish();
-  EXPECT_TRUE(waitFor([this] { return lives_.count() == sent_; }));
+  // A reader may come back twice: by itself, and when the master tells it to.
+  const int sent = sent_;
+  EXPECT_TRUE(publishUntil([&] { return lives_.count() > sent; })) << "the reader that lives";
+  EXPECT_GE(served_, 3);
   hung_.goOn();
-  EXPECT_TRUE(waitFor([this] { return served_ == 4; })) << "the reader that hung does not return";
+  EXPECT_TRUE(publishUntil([&] { return hung_.count() > sent; })) << "the reader that hung";
+  EXPECT_GE(served_, 4);
 }
 
 TEST_F(BoundedPublisherTest, KeepsAReaderThatIsSlow) {
