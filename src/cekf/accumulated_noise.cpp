@@ -1,11 +1,12 @@
 #include "cekf/accumulated_noise.h"
 
+#include <algorithm>
+
 namespace hymm::core {
 
 void AccumulatedNoise::carry(const Matrix& J, const Parts& added) {
   for (std::size_t k = 0; k < parts_.size(); ++k) {
-    const Matrix moved = J.lazyProduct(parts_[k]);
-    parts_[k] = moved.lazyProduct(J.transpose()) + added[k];
+    parts_[k] = J * parts_[k] * J.transpose() + added[k];
   }
 }
 
@@ -15,20 +16,22 @@ void AccumulatedNoise::multiply(double factor) {
 
 VehicleMatrix AccumulatedNoise::total(int size) const {
   VehicleMatrix total = VehicleMatrix::Zero(size, size);
-  for (const Matrix& part : parts_) total.topLeftCorner(part.rows(), part.cols()) += part;
+  const int n = std::min(size, kStates);
+  for (const Matrix& part : parts_) total.topLeftCorner(n, n) += part.topLeftCorner(n, n);
   return total;
 }
 
 MotionNoiseScale::Evidence AccumulatedNoise::evidence(const VehicleVector& score,
                                                       const VehicleMatrix& information) const {
   MotionNoiseScale::Evidence evidence;
-  const Eigen::Index n = parts_.front().rows();
-  if (score.size() < n) return evidence;  // nothing was measured
-  const Matrix A = information.topLeftCorner(n, n);
-  const Eigen::VectorXd b = score.head(n);
+  const Eigen::Index n = std::min<Eigen::Index>(score.size(), kStates);
+  Matrix A = Matrix::Zero();
+  A.topLeftCorner(n, n) = information.topLeftCorner(n, n);
+  Eigen::Matrix<double, kStates, 1> b = Eigen::Matrix<double, kStates, 1>::Zero();
+  b.head(n) = score.head(n);
   Parts AD;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
-    AD[k] = A.lazyProduct(parts_[k]);
+    AD[k] = A * parts_[k];
     evidence.slope[static_cast<Eigen::Index>(k)] = 0.5 * (b.dot(parts_[k] * b) - AD[k].trace());
   }
   for (std::size_t i = 0; i < parts_.size(); ++i) {

@@ -10,11 +10,12 @@
 namespace hymm::core {
 
 /// Covariance that the noise of the motion alone has given the first of the vehicle's states, its
-/// pose and the errors of its motion: what is due to translation, and what to rotation.
+/// pose and the errors of its motion: what is due to translation, and what to rotation. Carried
+/// along each motion, so the matrices have one size; of states that there are not they hold zeros.
 class AccumulatedNoise {
  public:
-  static constexpr int kMaxStates = 6;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxStates, kMaxStates>;
+  static constexpr int kStates = 6;
+  using Matrix = Eigen::Matrix<double, kStates, kStates>;
   using Parts = std::array<Matrix, MotionNoiseScale::kParts>;
 
   void begin(const Parts& parts) { parts_ = parts; }
@@ -35,13 +36,9 @@ class AccumulatedNoise {
   template <class Archive>
   void describeState(Archive& archive) {
     for (Matrix& part : parts_) {
-      Eigen::MatrixXd noise = part;
-      archive(noise);
+      archive(part);
       if constexpr (Archive::kReads) {
-        archive.require(
-            noise.rows() == part.rows() && noise.cols() == part.cols() && noise.allFinite(),
-            "the noise of the motion is not that of the vehicle's states");
-        part = noise;
+        archive.require(part.allFinite(), "the noise of the motion is not finite");
       }
     }
   }

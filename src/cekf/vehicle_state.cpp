@@ -1,5 +1,6 @@
 #include "cekf/vehicle_state.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "vehicle/arc.h"
@@ -225,30 +226,33 @@ void VehicleState::predict(CompressedEkf& filter, double age_s, double duration_
 VehicleMatrix VehicleState::addNoise(const MotionStep& step, const VehicleMatrix& J) {
   const Eigen::Vector3d times = noiseTimes();
   AccumulatedNoise::Parts added = errorVariances();
-  const Eigen::Index n = added.front().rows();
+  const int n = std::min(size_, AccumulatedNoise::kStates);
   VehicleMatrix Q = VehicleMatrix::Zero(size_, size_);
   Q.topLeftCorner<3, 3>() = step.whiteNoise(times);
   for (AccumulatedNoise::Matrix& part : added) {
     for (Eigen::Index k = kErrorIndex; k < n; ++k) part(k, k) *= 1.0 - J(k, k) * J(k, k);
-    Q.topLeftCorner(n, n) += part;
+    Q.topLeftCorner(n, n) += part.topLeftCorner(n, n);
   }
   added[MotionNoiseScale::kTranslation].topLeftCorner<3, 3>() =
       step.whiteNoise({times[0], times[1], 0.0});
   added[MotionNoiseScale::kRotation].topLeftCorner<3, 3>() = step.whiteNoise({0.0, 0.0, times[2]});
-  motion_noise_.carry(J.topLeftCorner(n, n), added);
+  AccumulatedNoise::Matrix J_driven = AccumulatedNoise::Matrix::Identity();
+  J_driven.topLeftCorner(n, n) = J.topLeftCorner(n, n);
+  motion_noise_.carry(J_driven, added);
   return Q;
 }
 
 /// Of the errors of the motion, by what they are errors of, when nothing is known of them.
 AccumulatedNoise::Parts VehicleState::errorVariances() const {
-  const int n = turn_relative_index_ >= 0 ? kErrorIndex + 3 : kErrorIndex + 2;
-  const AccumulatedNoise::Matrix zero = AccumulatedNoise::Matrix::Zero(n, n);
-  AccumulatedNoise::Parts parts{zero, zero};
+  AccumulatedNoise::Parts parts;
+  for (AccumulatedNoise::Matrix& part : parts) part.setZero();
   const MotionNoiseScale::Factors& factors = noise_scale_.factors();
   constexpr auto kTranslation = MotionNoiseScale::kTranslation;
   constexpr auto kRotation = MotionNoiseScale::kRotation;
   parts[kTranslation](kErrorIndex, kErrorIndex) = factors[kTranslation];
-  for (int k = kErrorIndex + 1; k < n; ++k) parts[kRotation](k, k) = factors[kRotation];
+  for (const int index : {kErrorIndex + 1, turn_relative_index_}) {
+    if (index >= 0) parts[kRotation](index, index) = factors[kRotation];
+  }
   return parts;
 }
 

@@ -14,7 +14,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kStates = 5, kRows = 8;
+constexpr int kStates = AccumulatedNoise::kStates, kRows = 8;
 
 MatrixXd randomMatrix(RandomGenerator& generator, int rows, int cols) {
   MatrixXd matrix(rows, cols);
