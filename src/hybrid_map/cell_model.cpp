@@ -54,6 +54,7 @@ class OccupancyModel : public CellModel {
     const float remembered = later[0] > 0.0F ? limits_.most : limits_.least;
     cell[0] *= 1.0F - share * std::min(1.0F, later[0] / remembered);
   }
+  bool forgets() const override { return true; }
   bool isOfOnePlace(const float* cell) const override { return cell[0] > 0.0F; }
   double evidence(const float* cell) const override { return static_cast<double>(cell[0]); }
 

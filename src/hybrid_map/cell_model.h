@@ -53,6 +53,7 @@ class CellModel {
   /// forget what it would have forgotten, had both been written in one grid. Models without limits
   /// forget nothing.
   virtual void yieldTo(const float* later, float share, float* cell) const;
+  virtual bool forgets() const { return false; }
 
   /// Leaves `share` of a cell's evidence in it.
   virtual void keep(float share, float* cell) const;

@@ -4,10 +4,31 @@
 
 namespace hymm::core {
 
-CellStore::CellStore(const LayerSet& layers, int cells)
+CellStore::CellStore(const LayerSet& layers, int cells, Seen seen)
     : cells_(cells),
       layers_(std::size_t(layers.count())),
-      revisions_(std::size_t(layers.count()), 0) {}
+      revisions_(std::size_t(layers.count()), 0),
+      seen_(std::size_t(layers.count()), 0) {
+  if (seen == Seen::kLayers) return;
+  for (int i = 0; i < layers.count(); ++i) {
+    layers_[std::size_t(i)].keeps_seen_cells = layers.model(i).forgets();
+  }
+}
+
+/// Of cells that were just unpacked, or made.
+void CellStore::beginSeenCells(int layer) const {
+  Layer& begun = layers_[std::size_t(layer)];
+  if (!begun.keeps_seen_cells) return;
+  begun.seen_cells.assign(std::size_t(cells_), static_cast<Stamp>(seen_[std::size_t(layer)]));
+}
+
+void CellStore::noteSeen(int layer, int cell, std::uint64_t revision) {
+  std::uint64_t& seen = seen_[std::size_t(layer)];
+  seen = std::max(seen, revision);
+  Stamp* cells = seenCells(layer);
+  if (cells == nullptr) return;
+  cells[cell] = std::max(cells[cell], static_cast<Stamp>(revision));
+}
 
 bool CellStore::isDue(int layer, std::uint64_t since_revision) const {
   const auto i = std::size_t(layer);
@@ -20,6 +41,7 @@ void CellStore::pack(std::uint64_t since_revision) {
     Layer& layer = layers_[std::size_t(i)];
     layer.packed = PackedFloats(layer.content);
     layer.content = std::vector<float>();  // its memory is given back, as clear() would not
+    layer.seen_cells = std::vector<Stamp>();
   }
 }
 
@@ -29,22 +51,28 @@ void CellStore::packOccupancy(const TriangularGrid& grid, float threshold,
   Layer& layer = layers_[LayerSet::kOccupancy];
   layer.tree = OccupancyQuadtree(grid, layer.content, threshold);
   layer.content = std::vector<float>();
+  layer.seen_cells = std::vector<Stamp>();
 }
 
 void CellStore::forget(std::uint64_t revision) {
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     if (revisions_[i] == 0) continue;
     const std::size_t size = unpacked(static_cast<int>(i)).size();
-    layers_[i] = {};
+    layers_[i].content = std::vector<float>();
+    layers_[i].seen_cells = std::vector<Stamp>();
+    layers_[i].tree = {};
     layers_[i].packed = PackedFloats(std::vector<float>(size, 0.0F));
     revisions_[i] = revision;
+    seen_[i] = 0;
   }
 }
 
-void CellStore::unpack(Layer& layer) {
-  layer.content = layer.unpacked();
-  layer.packed = {};
-  layer.tree = {};
+void CellStore::unpack(int layer) const {
+  Layer& packed = layers_[std::size_t(layer)];
+  packed.content = packed.unpacked();
+  packed.packed = {};
+  packed.tree = {};
+  beginSeenCells(layer);
 }
 
 const std::vector<float>& CellStore::peek(int layer, std::vector<float>& buffer) const {
@@ -61,6 +89,7 @@ std::uint64_t CellStore::lastRevision() const {
 void CellStore::addMemory(CellMemory& sum) const {
   for (const Layer& layer : layers_) {
     sum.unpacked_bytes += layer.content.capacity() * sizeof(float);
+    sum.unpacked_bytes += layer.seen_cells.capacity() * sizeof(Stamp);
     sum.packed_bytes += layer.packed.bytes() + layer.tree.bytes();
     sum.packed_from_bytes += layer.packed.unpackedBytes() + layer.tree.unpackedBytes();
   }

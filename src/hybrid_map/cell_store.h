@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -26,7 +27,11 @@ struct CellMemory {
 /// it can be packed, and unpacks itself where it is next looked at or written.
 class CellStore {
  public:
-  CellStore(const LayerSet& layers, int cells);
+  /// Of which it is known when they were seen: each layer as a whole, or, where the layer's model
+  /// forgets, each cell until it is packed.
+  enum class Seen { kLayers, kCells };
+
+  CellStore(const LayerSet& layers, int cells, Seen seen = Seen::kLayers);
 
   int cellCount() const { return cells_; }
   bool isEmpty(int layer) const { return revisions_[std::size_t(layer)] == 0; }
@@ -34,9 +39,20 @@ class CellStore {
   /// All cells of a layer for writing, `revision` (greater than 0) being the map's.
   float* write(const LayerSet& layers, int layer, std::uint64_t revision) {
     std::vector<float>& content = unpacked(layer);
-    if (content.empty()) content.resize(std::size_t(cells_) * std::size_t(layers.channels(layer)));
-    revisions_[std::size_t(layer)] = revision;
+    if (content.empty()) {
+      content.resize(std::size_t(cells_) * std::size_t(layers.channels(layer)));
+      beginSeenCells(layer);
+    }
+    revisions_[std::size_t(layer)] = seen_[std::size_t(layer)] = revision;
     return content.data();
+  }
+
+  /// The same for what moves from one region to another, of which nothing is seen anew.
+  float* rearrange(const LayerSet& layers, int layer, std::uint64_t revision) {
+    const std::uint64_t seen = seen_[std::size_t(layer)];
+    float* content = write(layers, layer, revision);
+    seen_[std::size_t(layer)] = seen;
+    return content;
   }
 
   /// A cell of a layer that is not empty.
@@ -63,6 +79,24 @@ class CellStore {
   std::uint64_t revision(int layer) const { return revisions_[std::size_t(layer)]; }
   std::uint64_t lastRevision() const;
 
+  /// The map's revision when something was last observed of what the layer holds, here or where it
+  /// came from; 0: never.
+  std::uint64_t seen(int layer) const { return seen_[std::size_t(layer)]; }
+  /// The same of a cell, as far as it is known.
+  std::uint64_t seen(int layer, int cell) const {
+    const auto& cells = layers_[std::size_t(layer)].seen_cells;
+    return cells.empty() ? seen_[std::size_t(layer)] : cells[std::size_t(cell)];
+  }
+  void noteSeen(int layer, int cell, std::uint64_t revision);
+
+  /// A revision, in the memory of cells.
+  using Stamp = std::uint32_t;
+  /// When each cell was seen, for those who write() cells of it; null where it is not known.
+  Stamp* seenCells(int layer) {
+    std::vector<Stamp>& cells = layers_[std::size_t(layer)].seen_cells;
+    return cells.empty() ? nullptr : cells.data();
+  }
+
   void addMemory(CellMemory& sum) const;
 
   /// What was compressed comes back compressed without loss.
@@ -77,18 +111,21 @@ class CellStore {
     std::vector<float> content;  ///< empty while one of these is not:
     PackedFloats packed;
     OccupancyQuadtree tree;
+    bool keeps_seen_cells = false;
+    std::vector<std::uint32_t> seen_cells;  ///< empty while packed
   };
   std::vector<float>& unpacked(int layer) const {
     Layer& wanted = layers_[std::size_t(layer)];
-    if (wanted.isPacked()) unpack(wanted);
+    if (wanted.isPacked()) unpack(layer);
     return wanted.content;
   }
-  static void unpack(Layer& layer);
+  void unpack(int layer) const;
+  void beginSeenCells(int layer) const;
   bool isDue(int layer, std::uint64_t since_revision) const;
 
   int cells_;
   mutable std::vector<Layer> layers_;
-  std::vector<std::uint64_t> revisions_;
+  std::vector<std::uint64_t> revisions_, seen_;  ///< by layer
 };
 
 }  // namespace hymm::core

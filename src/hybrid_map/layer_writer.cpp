@@ -23,39 +23,55 @@ void LayerWriter::begin(const Eigen::Vector2d& place, const LandmarkPlaces& land
   waiting_.select(place, landmarks);
 }
 
-float* LayerWriter::cellOfLtr(const LtrPartition& partition, int ltr, int layer,
-                              const Eigen::Vector2d& place) {
+std::optional<CellPlace> LayerWriter::cellInLtrs(const LtrPartition& partition,
+                                                 const Eigen::Vector2d& place) {
+  const int ltr = partition.mesh().locate(place, hint_);
+  if (ltr == kNone) return std::nullopt;
+  hint_ = ltr;
   LtrCells& cells = *cells_[std::size_t(ltr)];
-  const int index = cells.grid.index(partition.mesh().ltr(ltr).triangle.toLocal(place));
-  return cells.store.write(layers_, layer, revision_) +
-         std::ptrdiff_t{index} * layers_.channels(layer);
+  return CellPlace{&cells.store,
+                   cells.grid.index(partition.mesh().ltr(ltr).triangle.toLocal(place))};
 }
 
-bool LayerWriter::mergeIntoLtr(LtrPartition& partition, int layer, const Eigen::Vector2d& place,
-                               const float* cell, float share) {
-  const int ltr = partition.mesh().locate(place, hint_);
-  if (ltr == kNone) return false;
-  hint_ = ltr;
-  layers_.model(layer).merge(cell, share, cellOfLtr(partition, ltr, layer, place));
-  partition.addObservations(ltr, static_cast<double>(share));
-  return true;
+CellPlace LayerWriter::cellFor(LtrPartition& partition, const Eigen::Vector2d& place,
+                               double share) {
+  const auto cell = cellInLtrs(partition, place);
+  if (!cell) return waiting_.cellAt(place, revision_);
+  partition.addObservations(hint_, share);
+  return *cell;
 }
 
 void LayerWriter::addSample(LtrPartition& partition, int layer, const Eigen::Vector2d& place,
                             const LayerSample& sample, double share) {
-  const int ltr = partition.mesh().locate(place, hint_);
-  float* cell = nullptr;
-  if (ltr != kNone) {
-    hint_ = ltr;
-    cell = cellOfLtr(partition, ltr, layer, place);
-    partition.addObservations(ltr, share);
-  } else {
-    const Eigen::Vector2d cells = waiting_.toCells(place);
-    cell = waiting_.cell(layer, static_cast<int>(std::floor(cells.x())),
-                         static_cast<int>(std::floor(cells.y())), revision_);
-  }
-  layers_.model(layer).add(sample, share, cell);
+  const CellPlace cell = cellFor(partition, place, share);
+  float* cells = cell.store->write(layers_, layer, revision_);
+  layers_.model(layer).add(sample, share,
+                           cells + std::ptrdiff_t{cell.index} * layers_.channels(layer));
 }
+
+/// Lets LTRs take what waited where they are now.
+class LayerWriter::Settler : public WaitingTiles::Taker {
+ public:
+  Settler(LayerWriter& writer, LtrPartition& partition)
+      : writer_(writer), partition_(partition), overlay_(writer.layers_, writer.revision_) {}
+
+  void makeRoom(const CellPart& part, const Eigen::Vector2d& place) override {
+    if (const auto cell = writer_.cellInLtrs(partition_, place)) overlay_.makeRoom(part, *cell);
+  }
+  bool take(const CellPart& part, const Eigen::Vector2d& place) override {
+    const auto cell = writer_.cellInLtrs(partition_, place);
+    if (!cell) return false;
+    overlay_.add(part, *cell);
+    partition_.addObservations(writer_.hint_, static_cast<double>(part.share));
+    return true;
+  }
+  void finish() override { overlay_.finish(); }
+
+ private:
+  LayerWriter& writer_;
+  LtrPartition& partition_;
+  CellOverlay overlay_;
+};
 
 void LayerWriter::follow(LtrPartition& partition, const PartitionChange& change,
                          const LandmarkPlaces& landmarks, std::uint64_t revision) {
@@ -72,10 +88,8 @@ void LayerWriter::follow(LtrPartition& partition, const PartitionChange& change,
   }
   for (const RetiredLtr& retired : change.retired) moveRetired(partition, retired, landmarks);
   if (boxes.empty() || waiting_.isEmpty()) return;
-  waiting_.settle(boxes,
-                  [&](int layer, const Eigen::Vector2d& place, const float* cell, float share) {
-                    return mergeIntoLtr(partition, layer, place, cell, share);
-                  });
+  Settler settler(*this, partition);
+  waiting_.settle(boxes, settler);
 }
 
 void LayerWriter::moveRetired(LtrPartition& partition, const RetiredLtr& retired,
@@ -84,19 +98,25 @@ void LayerWriter::moveRetired(LtrPartition& partition, const RetiredLtr& retired
   if (cells == nullptr) return;
   const Eigen::Vector2d centre = retired.last_valid.toGlobal(Triangle::Local::Constant(1.0 / 3.0));
   waiting_.select(retired.T_map_last_valid * centre, landmarks);
-  visitCells(*cells, layers_,
-             [&](int layer, const float* cell, const auto& parts, std::size_t count) {
-               const float share = 1.0F / static_cast<float>(count);
-               for (std::size_t i = 0; i < count; ++i) {
-                 const Eigen::Vector2d place =
-                     retired.T_map_last_valid * retired.last_valid.toGlobal(parts[i]);
-                 if (mergeIntoLtr(partition, layer, place, cell, share)) continue;
-                 const Eigen::Vector2d at = waiting_.toCells(place);
-                 float* waiting = waiting_.cell(layer, static_cast<int>(std::floor(at.x())),
-                                                static_cast<int>(std::floor(at.y())), revision_);
-                 layers_.model(layer).merge(cell, share, waiting);
-               }
-             });
+  const auto visitParts = [&](auto&& visit) {
+    visitCells(*cells, layers_,
+               [&](int layer, const float* cell, const auto& parts, std::size_t count) {
+                 const CellPart part{layer, cell, 1.0F / static_cast<float>(count),
+                                     cells->store.seen(layer), count};
+                 for (std::size_t i = 0; i < count; ++i) {
+                   visit(part, retired.T_map_last_valid * retired.last_valid.toGlobal(parts[i]));
+                 }
+               });
+  };
+  CellOverlay overlay(layers_, revision_);
+  visitParts([&](const CellPart& part, const Eigen::Vector2d& place) {
+    if (!layers_.model(part.layer).forgets()) return;
+    overlay.makeRoom(part, cellFor(partition, place, 0.0));
+  });
+  visitParts([&](const CellPart& part, const Eigen::Vector2d& place) {
+    overlay.add(part, cellFor(partition, place, static_cast<double>(part.share)));
+  });
+  overlay.finish();
 }
 
 double LayerWriter::evidence(int layer) const {

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "hybrid_map/cell_overlay.h"
 #include "hybrid_map/hybrid_map_config.h"
 #include "hybrid_map/ltr_cells.h"
 #include "hybrid_map/ltr_partition.h"
@@ -57,9 +59,12 @@ class LayerWriter {
   std::size_t forgetBeyondLimit(LtrPartition& partition);
 
  private:
-  float* cellOfLtr(const LtrPartition& partition, int ltr, int layer, const Eigen::Vector2d& place);
-  bool mergeIntoLtr(LtrPartition& partition, int layer, const Eigen::Vector2d& place,
-                    const float* cell, float share);
+  /// The cell of an LTR that covers a place in map; nothing if none does.
+  std::optional<CellPlace> cellInLtrs(const LtrPartition& partition, const Eigen::Vector2d& place);
+  /// The same, or where nothing covers it one that waits. An LTR counts the share of an
+  /// observation.
+  CellPlace cellFor(LtrPartition& partition, const Eigen::Vector2d& place, double share);
+  class Settler;
   void moveRetired(LtrPartition& partition, const RetiredLtr& retired,
                    const LandmarkPlaces& landmarks);
 
@@ -68,7 +73,7 @@ class LayerWriter {
   std::vector<std::unique_ptr<LtrCells>> cells_;  ///< by LTR; null for retired ones
   WaitingTiles waiting_;
   std::uint64_t revision_ = 0;
-  int hint_ = kNone;
+  int hint_ = kNone;  ///< LTR that was found last
 };
 
 }  // namespace hymm::core

@@ -50,7 +50,8 @@ bool LtrMesh::countAlive() {
 void CellStore::save(StateWriter& archive) const {
   std::vector<float> buffer;
   for (std::size_t i = 0; i < layers_.size(); ++i) {
-    archive(revisions_[i], layers_[i].isPacked(), peek(static_cast<int>(i), buffer));
+    archive(revisions_[i], seen_[i], layers_[i].isPacked(), peek(static_cast<int>(i), buffer),
+            layers_[i].seen_cells);
   }
 }
 
@@ -58,16 +59,19 @@ void CellStore::restore(const LayerSet& layers, StateReader& archive) {
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     std::vector<float> content;
     bool is_packed = false;
-    archive(revisions_[i], is_packed, content);
+    std::vector<Stamp> seen_cells;
+    archive(revisions_[i], seen_[i], is_packed, content, seen_cells);
     const auto channels = std::size_t(layers.channels(static_cast<int>(i)));
     const std::size_t size = revisions_[i] == 0 ? 0 : std::size_t(cells_) * channels;
     archive.require(content.size() == size, "a layer has another number of cells than its region");
-    layers_[i] = {};
-    if (is_packed && size > 0) {
-      layers_[i].packed = PackedFloats(content);
-    } else {
-      layers_[i].content = std::move(content);
-    }
+    const bool has_seen_cells = layers_[i].keeps_seen_cells && !is_packed && size > 0;
+    archive.require(seen_cells.size() == (has_seen_cells ? std::size_t(cells_) : 0U),
+                    "it does not tell of each cell when it was seen");
+    layers_[i].tree = {};
+    layers_[i].packed = is_packed && size > 0 ? PackedFloats(content) : PackedFloats();
+    if (is_packed) content.clear();
+    layers_[i].content = std::move(content);
+    layers_[i].seen_cells = std::move(seen_cells);
   }
 }
 
@@ -94,7 +98,7 @@ void WaitingTiles::restore(StateReader& archive) {
     for (std::size_t tiles = archive.readSize(); tiles > 0; --tiles) {
       const auto place = archive.read<TilePlace>();
       CellStore& cells =
-          sheet.tiles.try_emplace(place, layers_, kTileCells * kTileCells).first->second;
+          sheet.tiles.try_emplace(place, layers_, kTileCells * kTileCells, kSeen).first->second;
       cells.restore(layers_, archive);
     }
   }

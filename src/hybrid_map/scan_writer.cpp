@@ -23,51 +23,61 @@ ScanWriter::ScanWriter(const OccupancyConfig& config, LtrPartition& partition)
 /// The waiting tiles around the sensor, whose cells are found without a search.
 class ScanWriter::TileWindow {
  public:
-  TileWindow(WaitingTiles& tiles, std::uint64_t revision)
-      : tiles_(tiles), revision_(revision), origin_(tiles.toCells(Eigen::Vector2d::Zero())) {
-    axes_.col(0) = tiles.toCells(Eigen::Vector2d::UnitX()) - origin_;
-    axes_.col(1) = tiles.toCells(Eigen::Vector2d::UnitY()) - origin_;
+  explicit TileWindow(LayerWriter& writer)
+      : writer_(writer), origin_(writer.waiting().toCells(Eigen::Vector2d::Zero())) {
+    axes_.col(0) = writer.waiting().toCells(Eigen::Vector2d::UnitX()) - origin_;
+    axes_.col(1) = writer.waiting().toCells(Eigen::Vector2d::UnitY()) - origin_;
   }
+
+  /// The occupancy of a cell, and when it was seen.
+  struct Cell {
+    float* log_odds = nullptr;
+    CellStore::Stamp* seen = nullptr;
+  };
 
   /// A place in map in units of cells.
   Eigen::Vector2d toCells(const Eigen::Vector2d& place) const { return origin_ + axes_ * place; }
 
-  /// The occupancy of a cell.
-  float& cell(int i, int j) {
+  Cell cell(int i, int j) {
     corner_i_ = i & ~(kTileCells - 1);
     corner_j_ = j & ~(kTileCells - 1);
     const auto slot = [](int corner) { return std::size_t(corner / kTileCells) & (kSlots - 1); };
     Tile& tile = window_[slot(corner_i_) * kSlots + slot(corner_j_)];
-    if (tile.first == nullptr || tile.corner_i != corner_i_ || tile.corner_j != corner_j_) {
-      tile = {tiles_.cell(LayerSet::kOccupancy, corner_i_, corner_j_, revision_), corner_i_,
-              corner_j_};
-    }
+    const bool is_there =
+        tile.first.log_odds != nullptr && tile.corner_i == corner_i_ && tile.corner_j == corner_j_;
+    if (!is_there) tile = {firstOf(corner_i_, corner_j_), corner_i_, corner_j_};
     first_ = tile.first;
-    return *find(i, j);
+    return find(i, j);
   }
 
   /// The same if the cell is in the tile of the last one; else null.
-  float* find(int i, int j) const {
+  Cell find(int i, int j) const {
     const auto in_i = static_cast<unsigned>(i) - static_cast<unsigned>(corner_i_);
     const auto in_j = static_cast<unsigned>(j) - static_cast<unsigned>(corner_j_);
-    const bool is_there = (in_i | in_j) < unsigned{kTileCells};
-    return is_there ? first_ + in_j * unsigned{kTileCells} + in_i : nullptr;
+    if ((in_i | in_j) >= unsigned{kTileCells}) return {};
+    const unsigned index = in_j * unsigned{kTileCells} + in_i;
+    return {first_.log_odds + index, first_.seen + index};
   }
 
  private:
   static constexpr int kTileCells = WaitingTile::kCells;
   static constexpr std::size_t kSlots = 16;  ///< along a side of the window
   struct Tile {
-    float* first = nullptr;
+    Cell first;
     int corner_i = 0, corner_j = 0;
   };
 
-  WaitingTiles& tiles_;
-  std::uint64_t revision_;
+  Cell firstOf(int corner_i, int corner_j) {
+    CellStore& store = *writer_.waiting().cell(corner_i, corner_j, writer_.revision()).store;
+    float* first = store.write(writer_.layers(), LayerSet::kOccupancy, writer_.revision());
+    return {first, store.seenCells(LayerSet::kOccupancy)};
+  }
+
+  LayerWriter& writer_;
   Eigen::Vector2d origin_;
   Eigen::Matrix2d axes_;
   std::array<Tile, kSlots * kSlots> window_;
-  float* first_ = nullptr;  ///< of the last cell's tile
+  Cell first_;  ///< of the last cell's tile
   int corner_i_ = std::numeric_limits<int>::min(), corner_j_ = 0;
 };
 
@@ -110,9 +120,9 @@ void ScanWriter::addHit(const BeamPiece& last, LayerWriter& writer) {
   const Eigen::Vector2d end = last.at(1.0);
   float* cell = nullptr;
   if (last.ltr == kNone) {
-    const Eigen::Vector2d at = writer.waiting().toCells(end);
-    cell = writer.waiting().cell(LayerSet::kOccupancy, static_cast<int>(std::floor(at.x())),
-                                 static_cast<int>(std::floor(at.y())), writer.revision());
+    const CellPlace place = writer.waiting().cellAt(end, writer.revision());
+    cell =
+        place.store->write(writer.layers(), LayerSet::kOccupancy, writer.revision()) + place.index;
   } else {
     LtrCells& cells = writer.cells(last.ltr);
     cell = cells.store.write(writer.layers(), LayerSet::kOccupancy, writer.revision()) +
@@ -152,19 +162,20 @@ void ScanWriter::freeInLtr(int first_piece, LayerWriter& writer) {
 }
 
 void ScanWriter::freeOutside(int first_piece, LayerWriter& writer) {
-  TileWindow window(writer.waiting(), writer.revision());
+  TileWindow window(writer);
+  const auto now = static_cast<CellStore::Stamp>(writer.revision());
   const Increments gain = increments_;  // a copy, which cells cannot alias
   // Both are found and read before one is written: where they are the same, it is freed once.
   const auto freeBoth = [&](int i, int j, int other_i, int other_j) {
-    float* one = window.find(i, j);
-    float* other = window.find(other_i, other_j);
-    if (one == nullptr || other == nullptr) {
-      other = &window.cell(other_i, other_j);
-      one = &window.cell(i, j);
+    TileWindow::Cell one = window.find(i, j), other = window.find(other_i, other_j);
+    if (one.log_odds == nullptr || other.log_odds == nullptr) {
+      other = window.cell(other_i, other_j);
+      one = window.cell(i, j);
     }
-    const float freed = gain.freed(*one), other_freed = gain.freed(*other);
-    *one = freed;
-    *other = other_freed;
+    const float freed = gain.freed(*one.log_odds), other_freed = gain.freed(*other.log_odds);
+    *one.log_odds = freed;
+    *other.log_odds = other_freed;
+    *one.seen = *other.seen = now;
   };
   for (int piece = first_piece; piece != kNone; piece = next_pieces_[std::size_t(piece)]) {
     const BeamPiece& beam = pieces_[std::size_t(piece)];

@@ -2,10 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
+#include <map>
 #include <unordered_map>
 #include <unordered_set>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 
@@ -69,16 +70,17 @@ bool intersect(const WaitingTiles::Box& a, const WaitingTiles::Box& b) {
 }  // namespace
 
 /// Moves cells of one sheet into tiles of another, on the other's side of the line halfway between
-/// their anchors, as if what was written later had been written on top of the other.
+/// their anchors, as if what was seen later had been written on top of the other.
 class WaitingTiles::CellMove {
  public:
   CellMove(const WaitingTiles& tiles, Sheet& from, Sheet& to, const Eigen::Vector2d& from_middle,
            const Eigen::Vector2d& to_middle, std::uint64_t revision)
-      : layers_(tiles.layers_),
+      : tiles_(tiles),
+        layers_(tiles.layers_),
         from_(from),
         to_(to),
-        is_later_(from.written > to.written),
-        revision_(revision) {
+        revision_(revision),
+        overlay_(tiles.layers_, revision) {
     const Pose2 T_to_from = inverse(to.T_map_sheet) * from.T_map_sheet;
     const Pose2 T_from_map = inverse(from.T_map_sheet);
     turn_ = T_to_from.rotation();
@@ -90,18 +92,25 @@ class WaitingTiles::CellMove {
   }
 
   void run() {
-    if (is_later_) makeRoom();
-    for (auto tile = from_.tiles.begin(); tile != from_.tiles.end();) {
-      bool is_empty = false;
-      if (mayMove(tile->first)) {
-        is_empty = true;
-        for (int layer = 0; layer < layers_.count(); ++layer) {
-          is_empty = moveLayer(tile->first, tile->second, layer) && is_empty;
-        }
+    std::vector<TilePlace> places;
+    for (const auto& [place, tile] : from_.tiles) {
+      if (mayMove(place)) places.push_back(place);
+    }
+    for (int layer = 0; layer < layers_.count(); ++layer) {
+      if (!layers_.model(layer).forgets()) continue;
+      for (const TilePlace& place : places) makeRoom(place, from_.tiles.at(place), layer);
+    }
+    for (const TilePlace& place : places) {
+      bool is_empty = true;
+      for (int layer = 0; layer < layers_.count(); ++layer) {
+        is_empty = moveLayer(place, from_.tiles.at(place), layer) && is_empty;
       }
-      tile = is_empty ? from_.tiles.erase(tile) : std::next(tile);
+      if (is_empty) emptied_.push_back(from_.tiles.extract(place));
     }
   }
+
+  /// After the move in the other direction, which asks what was seen later before either.
+  void finish() { overlay_.finish(); }
 
  private:
   /// A place in units of cells of `from` in those of `to`.
@@ -125,25 +134,15 @@ class WaitingTiles::CellMove {
     return false;
   }
 
-  /// Of all cells first: parts of several come to one, and must not make it forget each other.
-  void makeRoom() {
-    for (const auto& [place, tile] : from_.tiles) {
-      if (!mayMove(place)) continue;
-      for (int layer = 0; layer < layers_.count(); ++layer) {
-        if (tile.isEmpty(layer)) continue;
-        const CellModel& model = layers_.model(layer);
-        for (int index = 0; index < tile.cellCount(); ++index) {
-          const float* cell = tile.read(layers_, layer, index);
-          const Eigen::Vector2d corner = cornerOf(place, index);
-          if (!hasEvidence(cell, layers_.channels(layer)) || !isBeyondSeam(middleOf(corner))) {
-            continue;
-          }
-          const std::size_t parts = partsOf(model, cell);
-          const float share = 1.0F / static_cast<float>(parts);
-          visitTargets(corner, layer, parts,
-                       [&](float* target) { model.yieldTo(cell, share, target); });
-        }
-      }
+  void makeRoom(const TilePlace& place, const CellStore& tile, int layer) {
+    if (tile.isEmpty(layer)) return;
+    for (int index = 0; index < tile.cellCount(); ++index) {
+      const float* cell = tile.read(layers_, layer, index);
+      const Eigen::Vector2d corner = cornerOf(place, index);
+      if (!hasEvidence(cell, layers_.channels(layer)) || !isBeyondSeam(middleOf(corner))) continue;
+      visitTargets(
+          corner, tiles_.partOf(tile, layer, index),
+          [&](const CellPart& part, CellPlace target) { overlay_.makeRoom(part, target); });
     }
   }
 
@@ -159,57 +158,41 @@ class WaitingTiles::CellMove {
   bool moveLayer(const TilePlace& place, CellStore& tile, int layer) {
     if (tile.isEmpty(layer)) return true;
     const int channels = layers_.channels(layer);
-    const std::uint64_t before = tile.revision(layer);
-    float* cell = tile.write(layers_, layer, before);
+    float* cell = tile.rearrange(layers_, layer, tile.revision(layer));
     bool is_empty = true, has_moved = false;
     for (int index = 0; index < tile.cellCount(); ++index, cell += channels) {
       if (!hasEvidence(cell, channels)) continue;
       const Eigen::Vector2d corner = cornerOf(place, index);
-      const std::size_t parts = partsOf(layers_.model(layer), cell);
-      const std::size_t moved =
-          isBeyondSeam(middleOf(corner)) ? moveCell(corner, layer, cell, parts) : 0;
-      const float left = static_cast<float>(parts - moved) / static_cast<float>(parts);
-      if (moved > 0) layers_.model(layer).keep(left, cell);
-      has_moved = has_moved || moved > 0;
-      is_empty = is_empty && moved == parts;
+      float left = 1.0F;
+      if (isBeyondSeam(middleOf(corner))) {
+        left = visitTargets(
+            corner, tiles_.partOf(tile, layer, index),
+            [&](const CellPart& part, CellPlace target) { overlay_.add(part, target); });
+      }
+      if (left < 1.0F) layers_.model(layer).keep(left, cell);
+      has_moved = has_moved || left < 1.0F;
+      is_empty = is_empty && left <= 0.0F;
     }
-    if (has_moved) tile.write(layers_, layer, revision_);
+    if (has_moved) tile.rearrange(layers_, layer, revision_);
     return is_empty;
   }
 
-  /// Returns how many of the first `parts` of the cell found a tile.
-  std::size_t moveCell(const Eigen::Vector2d& corner, int layer, const float* cell,
-                       std::size_t parts) {
-    const CellModel& model = layers_.model(layer);
-    const float share = 1.0F / static_cast<float>(parts);
-    return visitTargets(corner, layer, parts, [&](float* target) {
-      if (is_later_) {
-        model.merge(cell, share, target);
-        return;
-      }
-      earlier_.assign(cell, cell + layers_.channels(layer));
-      model.yieldTo(target, 1.0F, earlier_.data());
-      model.merge(earlier_.data(), share, target);
-    });
-  }
-
-  /// Visits the cells to which the first `parts` of a cell belong. Returns how many found a tile.
+  /// Visits the cells to which the parts of a cell belong. Returns the share of the cell that found
+  /// no tile.
   template <class Visit>
-  std::size_t visitTargets(const Eigen::Vector2d& corner, int layer, std::size_t parts,
-                           Visit&& visit) {
+  float visitTargets(const Eigen::Vector2d& corner, const CellPart& part, Visit&& visit) {
     const Eigen::Vector2d other = toOther(corner);
-    std::size_t found = 0;
-    for (std::size_t part = 0; part < parts; ++part) {
-      const Eigen::Vector2d at = other + parts_[part];
-      const int i = static_cast<int>(std::floor(at.x())), j = static_cast<int>(std::floor(at.y()));
-      const int in_i = i & (kTileCells - 1), in_j = j & (kTileCells - 1);
-      CellStore* tile = tileAt({(i - in_i) / kTileCells, (j - in_j) / kTileCells});
+    std::size_t left = part.count;
+    for (std::size_t i = 0; i < part.count; ++i) {
+      const Eigen::Vector2d at = other + parts_[i];
+      const int x = static_cast<int>(std::floor(at.x())), y = static_cast<int>(std::floor(at.y()));
+      const int in_x = x & (kTileCells - 1), in_y = y & (kTileCells - 1);
+      CellStore* tile = tileAt({(x - in_x) / kTileCells, (y - in_y) / kTileCells});
       if (tile == nullptr) continue;
-      visit(tile->write(layers_, layer, revision_) +
-            std::ptrdiff_t{in_j * kTileCells + in_i} * layers_.channels(layer));
-      ++found;
+      visit(part, CellPlace{tile, in_y * kTileCells + in_x});
+      --left;
     }
-    return found;
+    return static_cast<float>(left) * part.share;
   }
 
   CellStore* tileAt(const TilePlace& place) {
@@ -222,16 +205,18 @@ class WaitingTiles::CellMove {
     return last_tile_;
   }
 
+  const WaitingTiles& tiles_;
   const LayerSet& layers_;
   Sheet &from_, &to_;
-  bool is_later_;  ///< whether `from` was written after `to`
   std::uint64_t revision_;
+  CellOverlay overlay_;
+  /// To these, too, something may have come from the other sheet.
+  std::vector<std::map<TilePlace, CellStore>::node_type> emptied_;
   Eigen::Matrix2d turn_;               ///< from cells of `from` to those of `to`
   Eigen::Vector2d shift_;              ///< likewise
   Eigen::Vector2d halfway_, towards_;  ///< in cells of `from`
   double seam_;                        ///< cells
   std::array<Eigen::Vector2d, kCellParts.size()> parts_;
-  std::vector<float> earlier_;  ///< a cell
   CellStore* last_tile_ = nullptr;
   TilePlace last_place_{};
   bool has_looked_ = false;
@@ -292,8 +277,12 @@ void WaitingTiles::join(const LandmarkMap& map, const LandmarkPlaces& landmarks,
   const RelativeDeviations deviations(map, ids);
   for (const auto& [a, b] : pairs) {
     if (deviations.largest(a->anchors, b->anchors) > most_deviation_m) continue;
-    CellMove(*this, *a->sheet, *b->sheet, a->middle, b->middle, revision).run();
-    CellMove(*this, *b->sheet, *a->sheet, b->middle, a->middle, revision).run();
+    CellMove there(*this, *a->sheet, *b->sheet, a->middle, b->middle, revision);
+    CellMove back(*this, *b->sheet, *a->sheet, b->middle, a->middle, revision);
+    there.run();
+    back.run();
+    there.finish();
+    back.finish();
     joined_[{a->sheet->id, b->sheet->id}] = revision;
     a->sheet->written = b->sheet->written = std::max(a->sheet->written, b->sheet->written);
   }

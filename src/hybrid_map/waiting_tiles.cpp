@@ -104,17 +104,29 @@ std::size_t WaitingTiles::nearestSuiting(const Eigen::Vector2d& place,
   return nearest;
 }
 
-float* WaitingTiles::cell(int layer, int i, int j, std::uint64_t revision) {
+CellPlace WaitingTiles::cell(int i, int j, std::uint64_t revision) {
   const TilePlace place(floorDivide(i, kTileCells), floorDivide(j, kTileCells));
   if (last_tile_ == nullptr || place != last_place_) {
     auto& tiles = sheets_[selected_].tiles;
-    last_tile_ = &tiles.try_emplace(place, layers_, kTileCells * kTileCells).first->second;
+    last_tile_ = &tiles.try_emplace(place, layers_, kTileCells * kTileCells, kSeen).first->second;
     last_place_ = place;
     sheets_[selected_].written = revision;
   }
-  const int index = (j - place.second * kTileCells) * kTileCells + (i - place.first * kTileCells);
-  return last_tile_->write(layers_, layer, revision) +
-         std::ptrdiff_t{index} * layers_.channels(layer);
+  return {last_tile_,
+          (j - place.second * kTileCells) * kTileCells + (i - place.first * kTileCells)};
+}
+
+CellPlace WaitingTiles::cellAt(const Eigen::Vector2d& place, std::uint64_t revision) {
+  const Eigen::Vector2d cells = toCells(place);
+  return cell(static_cast<int>(std::floor(cells.x())), static_cast<int>(std::floor(cells.y())),
+              revision);
+}
+
+/// Of a cell that moves.
+CellPart WaitingTiles::partOf(const CellStore& tile, int layer, int index) const {
+  const float* cell = tile.read(layers_, layer, index);
+  const std::size_t parts = partsOf(layers_.model(layer), cell);
+  return {layer, cell, 1.0F / static_cast<float>(parts), tile.seen(layer, index), parts};
 }
 
 Eigen::Vector2d WaitingTiles::centreOf(const Sheet& sheet) const {
@@ -139,67 +151,6 @@ void WaitingTiles::follow(const LandmarkPlaces& landmarks) {
     const bool has_two = sheet.anchors.first >= 0 && sheet.anchors.second >= 0;
     if (!all_there || !has_two) anchor(sheet, centreOf(sheet), landmarks);
   }
-}
-
-std::vector<WaitingTiles::Box> WaitingTiles::boxesAt(const Eigen::Vector2d& place, double reach_m,
-                                                     const std::vector<Box>& boxes) {
-  std::vector<Box> near;
-  std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(near), [&](const Box& box) {
-    return (place.array() + reach_m >= box.low.array()).all() &&
-           (place.array() - reach_m <= box.high.array()).all();
-  });
-  return near;
-}
-
-void WaitingTiles::settle(const std::vector<Box>& boxes, const Taker& take) {
-  last_tile_ = nullptr;
-  const double tile_m = kTileCells * resolution_m_;
-  for (Sheet& sheet : sheets_) {
-    for (auto tile = sheet.tiles.begin(); tile != sheet.tiles.end();) {
-      const Eigen::Vector2d middle(tile->first.first + 0.5, tile->first.second + 0.5);
-      const std::vector<Box> near =
-          boxesAt(sheet.T_map_sheet * (tile_m * middle), tile_m * M_SQRT1_2, boxes);
-      const bool is_empty =
-          !near.empty() && settleTile(sheet, tile->first, tile->second, near, take);
-      tile = is_empty ? sheet.tiles.erase(tile) : std::next(tile);
-    }
-  }
-}
-
-/// Returns whether nothing is left in the tile.
-bool WaitingTiles::settleTile(const Sheet& sheet, const TilePlace& place, CellStore& tile,
-                              const std::vector<Box>& boxes, const Taker& take) {
-  bool is_empty = true;
-  for (int layer = 0; layer < layers_.count(); ++layer) {
-    if (tile.isEmpty(layer)) continue;
-    const int channels = layers_.channels(layer);
-    float* cell = tile.write(layers_, layer, tile.revision(layer));
-    for (int index = 0; index < tile.cellCount(); ++index, cell += channels) {
-      if (!hasEvidence(cell, channels)) continue;
-      const Eigen::Vector2d corner(place.first * kTileCells + index % kTileCells,
-                                   place.second * kTileCells + index / kTileCells);
-      is_empty = settleCell(sheet, corner, layer, cell, boxes, take) && is_empty;
-    }
-  }
-  return is_empty;
-}
-
-/// Returns whether nothing is left in the cell with this least corner, in units of cells.
-bool WaitingTiles::settleCell(const Sheet& sheet, const Eigen::Vector2d& corner, int layer,
-                              float* cell, const std::vector<Box>& boxes, const Taker& take) {
-  const auto placeOf = [&](const Eigen::Vector2d& part) {
-    return sheet.T_map_sheet * (resolution_m_ * (corner + part));
-  };
-  const Eigen::Vector2d middle = placeOf({0.5, 0.5});
-  if (boxesAt(middle, resolution_m_ * M_SQRT1_2, boxes).empty()) return false;
-  const std::size_t parts = partsOf(layers_.model(layer), cell);
-  const float share = 1.0F / static_cast<float>(parts);
-  std::size_t left = parts;
-  for (std::size_t i = 0; i < parts; ++i) {
-    if (take(layer, placeOf(kCellParts[i]), cell, share)) --left;
-  }
-  layers_.model(layer).keep(static_cast<float>(left) * share, cell);
-  return left == 0;
 }
 
 void WaitingTiles::forgetEmptySheets() {
@@ -242,8 +193,11 @@ void WaitingTiles::packBeyond(const Eigen::Vector2d& place, double radius_m,
 std::size_t WaitingTiles::dropBeyondLimit() {
   std::size_t tiles = 0;
   for (const Sheet& sheet : sheets_) tiles += sheet.tiles.size();
-  const auto most = static_cast<double>(tiles) * kTileCells * kTileCells * sizeof(float) *
-                    layers_.channelsTogether();
+  int floats = layers_.channelsTogether();
+  for (int layer = 0; layer < layers_.count(); ++layer) {
+    if (layers_.model(layer).forgets()) ++floats;  // for when a cell was seen
+  }
+  const auto most = static_cast<double>(tiles) * kTileCells * kTileCells * sizeof(float) * floats;
   if (most <= config_.max_memory_mb * kBytesPerMb) return 0;  // even if nothing is packed
   std::size_t used = memory().bytes(), dropped = 0;
   while (used > 0 && static_cast<double>(used) > config_.max_memory_mb * kBytesPerMb) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <utility>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "cekf/landmark_map.h"
 #include "common/config.h"
 #include "common/pose2.h"
+#include "hybrid_map/cell_overlay.h"
 #include "hybrid_map/cell_store.h"
 #include "hybrid_map/landmark_places.h"
 
@@ -53,7 +53,9 @@ class WaitingTiles {
   }
 
   /// The cell (i, j) of the selected sheet for writing; valid until the sheets change.
-  float* cell(int layer, int i, int j, std::uint64_t revision);
+  CellPlace cell(int i, int j, std::uint64_t revision);
+  /// The same for a place in map.
+  CellPlace cellAt(const Eigen::Vector2d& place, std::uint64_t revision);
 
   /// Moves the sheets with their landmarks.
   void follow(const LandmarkPlaces& landmarks);
@@ -65,14 +67,22 @@ class WaitingTiles {
   void join(const LandmarkMap& map, const LandmarkPlaces& landmarks, double most_deviation_m,
             std::uint64_t revision);
 
-  /// Offers the evidence in all tiles that touch one of the boxes (in map): `take(layer, place,
-  /// cell, share)` returns whether it took this share of the cell, which then is no longer here.
   struct Box {
     Eigen::Vector2d low, high;
   };
-  using Taker =
-      std::function<bool(int layer, const Eigen::Vector2d& place, const float* cell, float share)>;
-  void settle(const std::vector<Box>& boxes, const Taker& take);
+  /// Takes over what waited, sheet by sheet.
+  class Taker {
+   public:
+    virtual ~Taker() = default;
+    /// Of all parts of the sheet, if the layer's model forgets; `place` in map.
+    virtual void makeRoom(const CellPart& part, const Eigen::Vector2d& place) = 0;
+    /// Of all parts of the sheet. Returns whether it took the part, which then is no longer here.
+    virtual bool take(const CellPart& part, const Eigen::Vector2d& place) = 0;
+    /// After each sheet.
+    virtual void finish() = 0;
+  };
+  /// Offers the evidence in all tiles that touch one of the boxes (in map).
+  void settle(const std::vector<Box>& boxes, Taker& taker);
 
   /// Drops the tiles that were not written for longest, until the rest fits the memory. Returns how
   /// many.
@@ -106,6 +116,7 @@ class WaitingTiles {
 
  private:
   static constexpr int kTileCells = WaitingTile::kCells;
+  static constexpr CellStore::Seen kSeen = CellStore::Seen::kCells;
   using TilePlace = std::pair<int, int>;
 
   struct Sheet {
@@ -114,7 +125,8 @@ class WaitingTiles {
     Pose2 T_map_sheet;
     Pose2 T_anchors_sheet;
     std::map<TilePlace, CellStore> tiles;
-    /// The map's revision when it, or what has come to it, was last selected and written.
+    /// The map's revision when it, or what has come to it, was last selected and written: since
+    /// then there may be something to join. When it was seen, each cell knows itself.
     std::uint64_t written = 0;
   };
 
@@ -125,15 +137,16 @@ class WaitingTiles {
   std::size_t nearestSuiting(const Eigen::Vector2d& place, const LandmarkPlaces& landmarks) const;
   void anchor(Sheet& sheet, const Eigen::Vector2d& place, const LandmarkPlaces& landmarks) const;
   Eigen::Vector2d centreOf(const Sheet& sheet) const;
-  /// The boxes that a square around `place`, `reach_m` to each side, touches.
-  static std::vector<Box> boxesAt(const Eigen::Vector2d& place, double reach_m,
-                                  const std::vector<Box>& boxes);
-  bool settleTile(const Sheet& sheet, const TilePlace& place, CellStore& tile,
-                  const std::vector<Box>& boxes, const Taker& take);
-  bool settleCell(const Sheet& sheet, const Eigen::Vector2d& corner, int layer, float* cell,
-                  const std::vector<Box>& boxes, const Taker& take);
   void forgetEmptySheets();
   std::size_t dropOldest();
+
+  CellPart partOf(const CellStore& tile, int layer, int index) const;
+
+  // Settling (waiting_settling.cpp).
+  struct SettlingTile;
+  std::vector<SettlingTile> tilesWithin(const std::vector<Box>& boxes, Sheet& sheet);
+  void makeRoom(const SettlingTile& tile, int layer, Taker& taker);
+  void settleLayer(SettlingTile& tile, int layer, Taker& taker);
 
   // Joining (waiting_joins.cpp).
   using SheetPair = std::pair<std::uint64_t, std::uint64_t>;  ///< ids, ascending

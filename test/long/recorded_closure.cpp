@@ -2,7 +2,8 @@
 // grid that is fed with the same scans at the same estimated poses. Prints, as JSON, the largest
 // correction of the map, what the map takes in each form of compression and how fast it is made;
 // writes pictures of both maps (pgm) before and after that correction and at the end, and where
-// beams ended that met a rise of the ground in Victoria Park (rise.csv).
+// beams ended that met a rise of the ground in Victoria Park (rise.csv), and how many cells of it
+// are occupied in either map from a minute before that correction on (rise_cells.csv).
 //
 //   recorded_closure RECORDING OUTPUT CONFIG_FOLDER CONFIG...
 
@@ -94,8 +95,47 @@ void writeEnds(const PosedScan& posed, double range_m, std::ostream& file) {
   }
 }
 
+/// Occupied cells around the rise, as map_server would take them.
+int occupiedAtRise(const OccupancyImage& image) {
+  const Eigen::Array2d size(image.width, image.height);
+  const auto cellOf = [&](const Eigen::Vector2d& place) {
+    const Eigen::Array2d cell = ((place - image.origin()) / image.resolution_m).array().floor();
+    return Eigen::Array2i(cell.max(0.0).min(size).cast<int>());
+  };
+  const Eigen::Array2i low = cellOf(kRiseLow), high = cellOf(kRiseHigh);
+  int count = 0;
+  for (int y = low.y(); y < high.y(); ++y) {
+    for (int x = low.x(); x < high.x(); ++x) count += trinaryOccupancy(image.at(x, y)) > 0 ? 1 : 0;
+  }
+  return count;
+}
+
+/// Writes that, now and then.
+class RiseLog {
+ public:
+  RiseLog(const std::filesystem::path& file, double from_s) : file_(file), from_s_(from_s) {
+    file_ << std::fixed << "t,ltrs,flat\n";
+  }
+
+  void note(const test::MappingDrive& drive, double time_s) {
+    if (time_s < from_s_ || !due_.takeIfDue(time_s)) return;
+    image_.update(drive.mapper().map());
+    file_ << time_s << ',' << occupiedAtRise(image_.image()) << ','
+          << occupiedAtRise(drive.flat().image()) << '\n';
+  }
+
+ private:
+  static constexpr double kPeriod_s = 4.0;
+
+  std::ofstream file_;
+  double from_s_;
+  StampSchedule due_{kPeriod_s};
+  MapImage image_{MapImageConfig()};
+};
+
 void run(const Options& options) {
   constexpr double kSettled_s = 10.0;  // the correction comes in several steps
+  constexpr double kAhead_s = 60.0;
   const std::vector<SensorEvent> events = eventsOf(readAcfr({options.recording}), options.config);
   const Closure closure = findClosure(options, events);
   print("largest_correction_m", closure.correction_m);
@@ -104,6 +144,7 @@ void run(const Options& options) {
   test::MappingDrive drive(options.config, kLow, kHigh);
   std::ofstream ends(std::filesystem::path(options.output) / "rise.csv");
   ends << std::fixed << "t,x,y\n";
+  RiseLog rise(std::filesystem::path(options.output) / "rise_cells.csv", closure.time_s - kAhead_s);
   bool before = false, after = false;
   for (const SensorEvent& event : events) {
     const auto step = drive.process(event);
@@ -111,6 +152,7 @@ void run(const Options& options) {
     if (step->written) {
       writeEnds(*step->written, options.config.hymm_grid.map.occupancy.range_m, ends);
     }
+    rise.note(drive, step->outcome.pose.time_s);
     const Pose2& pose = step->outcome.pose.T_map_base;
     if (!before && step->outcome.pose.time_s > closure.time_s - 1.0) {
       before = true;

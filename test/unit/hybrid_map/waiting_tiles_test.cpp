@@ -166,6 +166,76 @@ TEST(HybridMap, AnObstacleThatIsNoMoreThereInALaterSheetIsForgotten) {
   EXPECT_LT(two.most({24.9, 5.0}), 0.1);
 }
 
+TEST(HybridMap, WhatASheetSawLongAgoIsNotLaterBecauseItIsWrittenAgainBeside) {
+  // As above; then the sheet on the left is written again, in the same tiles, but a metre aside.
+  TwoSheets two;
+  for (int scan = 0; scan < 50; ++scan) two.lookRight();
+  for (int scan = 0; scan < 10; ++scan) two.map.insert(beam({46.0, 5.0, M_PI}, 21.1));
+  for (int scan = 0; scan < 5; ++scan) two.map.insert(beam({6.0, 4.0, 0.0}, 22.0));
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  two.tellAgain();
+  EXPECT_EQ(two.sheetsAt({24.9, 5.0}), 1);
+  EXPECT_GT(two.most({24.9, 5.0}), 0.9);
+}
+
+TEST(HybridMap, AMapThatWasSavedKnowsWhatWasSeenLater) {
+  TwoSheets two;
+  for (int scan = 0; scan < 50; ++scan) two.lookRight();
+  for (int scan = 0; scan < 10; ++scan) two.map.insert(beam({46.0, 5.0, M_PI}, 21.1));
+  for (int scan = 0; scan < 5; ++scan) two.map.insert(beam({6.0, 4.0, 0.0}, 22.0));
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  two.map.loadState(two.map.saveState(), "map", two.landmarks.version);
+  two.tellAgain();
+  EXPECT_GT(two.most({24.9, 5.0}), 0.9);
+}
+
+/// Two landmarks at the bottom and two at the top, which an LTR comes to join. Before that, from
+/// either pair's sheet, the place in between was seen.
+struct TwoSheetsUnderAnLtr {
+  TwoSheetsUnderAnLtr() {
+    for (const std::size_t i : {2U, 3U}) landmarks.landmarks[i].observations = 1;
+    map.apply(landmarks);
+  }
+  /// From the bottom nothing is seen there, from the top there is something.
+  void lookUp(double x = 6.0) { map.insert(beam({x, 5.0, M_PI / 2.0}, 12.0)); }
+  void lookDown() { map.insert(beam({6.0, 38.0, -M_PI / 2.0}, 28.1)); }
+  void grow() {
+    ++landmarks.version;
+    landmarks.landmarks[2].observations = 50;
+    ASSERT_EQ(map.apply(landmarks).change.created.size(), 1U);
+  }
+  double most() const {
+    double most = 0.0;
+    for (double x = -0.2; x <= 0.2; x += 0.05) {
+      for (double y = -0.2; y <= 0.2; y += 0.05) {
+        most = std::max(most, probabilityAt(map, Eigen::Vector2d(6.0 + x, 9.9 + y)));
+      }
+    }
+    return most;
+  }
+
+  LandmarkMap landmarks = mapOf({{0.0, 0.0}, {12.0, 0.0}, {6.0, 24.0}, {16.0, 40.0}});
+  HybridMap map{withLayers()};
+};
+
+TEST(HybridMap, AnObstacleSeenLaterStandsInTheLtrThatTakesSeveralSheets) {
+  TwoSheetsUnderAnLtr two;
+  for (int scan = 0; scan < 50; ++scan) two.lookUp();
+  for (int scan = 0; scan < 10; ++scan) two.lookDown();
+  two.grow();
+  EXPECT_GT(two.most(), 0.9);
+}
+
+TEST(HybridMap, AnObstacleThatIsNoMoreThereIsForgottenInTheLtrThatTakesSeveralSheets) {
+  TwoSheetsUnderAnLtr two;
+  for (int scan = 0; scan < 10; ++scan) two.lookDown();
+  for (int scan = 0; scan < 50; ++scan) {
+    for (double x = 5.0; x <= 7.0; x += 0.1) two.lookUp(x);
+  }
+  two.grow();
+  EXPECT_LT(two.most(), 0.35);
+}
+
 TEST(HybridMap, WhatComesTogetherFromManySheetsCanBeRelearned) {
   // Both sheets know for certain that there is nothing; together they are no more certain.
   TwoSheets two;
