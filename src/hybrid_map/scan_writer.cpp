@@ -29,56 +29,51 @@ class ScanWriter::TileWindow {
     axes_.col(1) = writer.waiting().toCells(Eigen::Vector2d::UnitY()) - origin_;
   }
 
-  /// The occupancy of a cell, and when it was seen.
-  struct Cell {
-    float* log_odds = nullptr;
-    CellStore::Stamp* seen = nullptr;
-  };
-
   /// A place in map in units of cells.
   Eigen::Vector2d toCells(const Eigen::Vector2d& place) const { return origin_ + axes_ * place; }
 
-  Cell cell(int i, int j) {
-    corner_i_ = i & ~(kTileCells - 1);
-    corner_j_ = j & ~(kTileCells - 1);
-    const auto slot = [](int corner) { return std::size_t(corner / kTileCells) & (kSlots - 1); };
-    Tile& tile = window_[slot(corner_i_) * kSlots + slot(corner_j_)];
-    const bool is_there =
-        tile.first.log_odds != nullptr && tile.corner_i == corner_i_ && tile.corner_j == corner_j_;
-    if (!is_there) tile = {firstOf(corner_i_, corner_j_), corner_i_, corner_j_};
-    first_ = tile.first;
-    return find(i, j);
-  }
+  /// The cells of a tile.
+  struct Tile {
+    float* log_odds = nullptr;
+    CellStore::Stamp* seen = nullptr;
+    int corner_i = std::numeric_limits<int>::min(), corner_j = 0;
 
-  /// The same if the cell is in the tile of the last one; else null.
-  Cell find(int i, int j) const {
-    const auto in_i = static_cast<unsigned>(i) - static_cast<unsigned>(corner_i_);
-    const auto in_j = static_cast<unsigned>(j) - static_cast<unsigned>(corner_j_);
-    if ((in_i | in_j) >= unsigned{kTileCells}) return {};
-    const unsigned index = in_j * unsigned{kTileCells} + in_i;
-    return {first_.log_odds + index, first_.seen + index};
+    unsigned alongI(int i) const {
+      return static_cast<unsigned>(i) - static_cast<unsigned>(corner_i);
+    }
+    unsigned alongJ(int j) const {
+      return static_cast<unsigned>(j) - static_cast<unsigned>(corner_j);
+    }
+    /// Whether both cells are in the tile.
+    bool has(int i, int j, int other_i, int other_j) const {
+      return (alongI(i) | alongJ(j) | alongI(other_i) | alongJ(other_j)) < unsigned{kTileCells};
+    }
+    unsigned index(int i, int j) const { return alongJ(j) * unsigned{kTileCells} + alongI(i); }
+  };
+
+  /// The tile that has a cell.
+  const Tile& tile(int i, int j) {
+    const int corner_i = i & ~(kTileCells - 1), corner_j = j & ~(kTileCells - 1);
+    const auto slot = [](int corner) { return std::size_t(corner / kTileCells) & (kSlots - 1); };
+    Tile& tile = window_[slot(corner_i) * kSlots + slot(corner_j)];
+    if (tile.corner_i != corner_i || tile.corner_j != corner_j) tile = find(corner_i, corner_j);
+    return tile;
   }
 
  private:
   static constexpr int kTileCells = WaitingTile::kCells;
   static constexpr std::size_t kSlots = 16;  ///< along a side of the window
-  struct Tile {
-    Cell first;
-    int corner_i = 0, corner_j = 0;
-  };
 
-  Cell firstOf(int corner_i, int corner_j) {
+  Tile find(int corner_i, int corner_j) {
     CellStore& store = *writer_.waiting().cell(corner_i, corner_j, writer_.revision()).store;
-    float* first = store.write(writer_.layers(), LayerSet::kOccupancy, writer_.revision());
-    return {first, store.seenCells(LayerSet::kOccupancy)};
+    float* log_odds = store.write(writer_.layers(), LayerSet::kOccupancy, writer_.revision());
+    return {log_odds, store.seenCells(LayerSet::kOccupancy), corner_i, corner_j};
   }
 
   LayerWriter& writer_;
   Eigen::Vector2d origin_;
   Eigen::Matrix2d axes_;
   std::array<Tile, kSlots * kSlots> window_;
-  Cell first_;  ///< of the last cell's tile
-  int corner_i_ = std::numeric_limits<int>::min(), corner_j_ = 0;
 };
 
 std::size_t ScanWriter::write(const LaserScan& scan, const Pose2& T_map_laser,
@@ -165,17 +160,20 @@ void ScanWriter::freeOutside(int first_piece, LayerWriter& writer) {
   TileWindow window(writer);
   const auto now = static_cast<CellStore::Stamp>(writer.revision());
   const Increments gain = increments_;  // a copy, which cells cannot alias
-  // Both are found and read before one is written: where they are the same, it is freed once.
+  TileWindow::Tile tile;                // of the last cells, in which the next ones mostly are, too
+  // Both are read before one is written: where they are the same, it is freed once.
   const auto freeBoth = [&](int i, int j, int other_i, int other_j) {
-    TileWindow::Cell one = window.find(i, j), other = window.find(other_i, other_j);
-    if (one.log_odds == nullptr || other.log_odds == nullptr) {
-      other = window.cell(other_i, other_j);
-      one = window.cell(i, j);
+    TileWindow::Tile other_tile = tile;
+    if (!tile.has(i, j, other_i, other_j)) {
+      tile = window.tile(i, j);
+      other_tile = window.tile(other_i, other_j);
     }
-    const float freed = gain.freed(*one.log_odds), other_freed = gain.freed(*other.log_odds);
-    *one.log_odds = freed;
-    *other.log_odds = other_freed;
-    *one.seen = *other.seen = now;
+    const unsigned one = tile.index(i, j), other = other_tile.index(other_i, other_j);
+    const float freed = gain.freed(tile.log_odds[one]);
+    const float other_freed = gain.freed(other_tile.log_odds[other]);
+    tile.log_odds[one] = freed;
+    other_tile.log_odds[other] = other_freed;
+    tile.seen[one] = other_tile.seen[other] = now;
   };
   for (int piece = first_piece; piece != kNone; piece = next_pieces_[std::size_t(piece)]) {
     const BeamPiece& beam = pieces_[std::size_t(piece)];
