@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <iomanip>
-#include <limits>
 
 #include <octomap/OcTree.h>
 
 #include "common/error.h"
+#include "common/number_text.h"
 
 namespace hymm::core {
 namespace {
@@ -66,9 +65,9 @@ void exportPgm(const OccupancyImage& image, const std::string& path_without_exte
   std::ofstream yaml = openFile(yaml_path);
   const std::string name = pgm_path.substr(pgm_path.find_last_of('/') + 1);
   const Eigen::Vector2d origin = image.origin();
-  yaml << std::setprecision(std::numeric_limits<double>::max_digits10) << "image: " << name
-       << "\nmode: trinary\nresolution: " << image.resolution_m << "\norigin: [" << origin.x()
-       << ", " << origin.y() << ", 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+  yaml << "image: " << name << "\nmode: trinary\nresolution: " << numberText(image.resolution_m)
+       << "\norigin: [" << numberText(origin.x()) << ", " << numberText(origin.y())
+       << ", 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
   finish(yaml, yaml_path);
 }
 

@@ -50,11 +50,16 @@ void PlaybackNode::run() {
   waitForEnd();
 }
 
+/// Topics may be renamed, one of them from "dead_reckoning"; nodes are not.
+std::string PlaybackNode::nodeName(const std::string& name) const {
+  return handle_.resolveName(name, false);
+}
+
 std::string PlaybackNode::missing() const {
   const std::set<std::string> nodes = presentGraph().subscribedNodes();
   std::string names;
   for (const std::string& listener : listeners_) {
-    const std::string name = handle_.resolveName(listener);
+    const std::string name = nodeName(listener);
     if (nodes.count(name) == 0) names = joined(names, name);
   }
   return names;
@@ -88,7 +93,7 @@ void PlaybackNode::waitForLinks() {
     if (graph.subscribers != subscribers) missing = joined(missing, "new ones");
     subscribers = graph.subscribers;
     for (const std::string& listener : listeners_) {
-      for (const std::string& link : missingLinks(graph, handle_.resolveName(listener))) {
+      for (const std::string& link : missingLinks(graph, nodeName(listener))) {
         missing = joined(missing, link + " to " + listener);
       }
     }
@@ -104,7 +109,7 @@ void PlaybackNode::waitForLinks() {
 
 void PlaybackNode::startPlayer() {
   state_ = "Waits for the player";
-  const std::string service = handle_.resolveName(config_.player) + "/pause_playback";
+  const std::string service = nodeName(config_.player) + "/pause_playback";
   const ros::WallDuration wait(config_.start_timeout_s);
   const double begin_s = steadyNow();
   while (ros::ok() && !ros::service::exists(service, false)) {
@@ -133,7 +138,7 @@ std::string PlaybackNode::silentSensors() const {
     const auto listening = graph.subscribers.find(topic);
     if (listening == graph.subscribers.end() || graph.publishers.count(topic) > 0) continue;
     for (const char* node : {"cekf_slam", "dead_reckoning"}) {
-      if (listening->second.count(handle_.resolveName(node)) == 0) continue;
+      if (listening->second.count(nodeName(node)) == 0) continue;
       names = joined(names, topic + " (for " + node + ")");
     }
   }

@@ -28,6 +28,7 @@ class PlaybackNode {
   void run();
 
  private:
+  std::string nodeName(const std::string& name) const;
   std::string missing() const;
   void waitForAll();
   void waitForLinks();

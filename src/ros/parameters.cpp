@@ -1,22 +1,14 @@
 #include "ros/parameters.h"
 
 #include <filesystem>
-#include <iomanip>
-#include <limits>
-#include <sstream>
 
 #include <ros/names.h>
 #include <ros/package.h>
 
+#include "common/number_text.h"
+
 namespace hymm {
 namespace {
-
-std::string exactText(double value) {
-  std::ostringstream stream;
-  stream.imbue(std::locale::classic());
-  stream << std::setprecision(std::numeric_limits<double>::max_digits10) << value;
-  return stream.str();
-}
 
 /// The folder of the file out of which the launch file loaded `parameter`; empty if none tells.
 std::filesystem::path overlayFolder(const ros::NodeHandle& handle, const std::string& parameter) {
@@ -38,7 +30,7 @@ YAML::Node toYaml(const XmlRpc::XmlRpcValue& value) {
       node = static_cast<int>(copy);
       break;
     case XmlRpc::XmlRpcValue::TypeDouble:
-      node = exactText(static_cast<double>(copy));
+      node = core::numberText(static_cast<double>(copy));
       break;
     case XmlRpc::XmlRpcValue::TypeString:
       node = static_cast<std::string>(copy);

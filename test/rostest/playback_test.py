@@ -12,6 +12,8 @@ import time
 import unittest
 from pathlib import Path
 
+import rosbag
+
 ROOT = Path(__file__).parents[2]
 DURATION_S = 15
 RATE = 5
@@ -61,15 +63,26 @@ class Playback(unittest.TestCase):
                  "ROS_HOME": str(self.path / "ros")}, timeout=90, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
-    def run_both(self, overlay, *simulation):
+    def run_both(self, overlay, *simulation, renamed=()):
+        """`renamed`: the robot's names of topics, by ours."""
         bag, config = self.path / "robot.bag", self.path / "robot.yaml"
         config.write_text(overlay)
         self.run_command("rosrun", "hymm", "simulate_world", "--world", "park", "--seed", "7",
                          "--duration", DURATION_S, "--output", bag, *simulation)
         self.run_command("rosrun", "hymm", "hymm_offline", "--bag", bag, "--config", config,
                          "--output", self.path / "offline")
-        done = self.play(bag, config)
+        done = self.play(self.bag_with_other_names(bag, dict(renamed)), config,
+                         *(f"{ours}_topic:={theirs}" for ours, theirs in renamed))
         self.assertEqual(done.returncode, 0, done.stdout)
+
+    def bag_with_other_names(self, bag, names):
+        if not names:
+            return bag
+        other = self.path / "other_names.bag"
+        with rosbag.Bag(str(bag)) as source, rosbag.Bag(str(other), "w") as target:
+            for topic, message, stamp in source.read_messages(raw=True):
+                target.write(names.get(topic.strip("/"), topic), message, stamp, raw=True)
+        return other
 
     def run_command(self, *command):
         done = subprocess.run([str(word) for word in command], timeout=90, text=True,
@@ -181,13 +194,14 @@ class Playback(unittest.TestCase):
                       "--motion", "odom")
         self.expect_equal_results(scans=DURATION_S * SCANS_HZ)
 
-    def test_robot_with_its_own_detector(self):
+    def test_robot_with_its_own_detector_and_names_of_topics(self):
         # The vehicle is a file beside the configuration: nodes find it as hymm_offline does.
         shipped = ROOT / "config" / "vehicles" / "simulated_car.yaml"
         (self.path / "robots").mkdir()
         (self.path / "robots" / "mine.yaml").write_text(shipped.read_text())
         self.run_both("vehicle: robots/mine.yaml\n"
-                      "cekf_slam: {observation_input: detections}\n", "--detections")
+                      "cekf_slam: {observation_input: detections}\n", "--detections",
+                      renamed=[("detections", "/front/trees"), ("dead_reckoning", "/can/wheels")])
         self.expect_equal_results(scans=DURATION_S * SCANS_HZ)
 
 
