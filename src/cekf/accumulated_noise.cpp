@@ -5,8 +5,18 @@
 namespace hymm::core {
 
 void AccumulatedNoise::carry(const Matrix& J, const Parts& added) {
+  // By blocks: the pose's rows of J, and below them what the errors keep.
+  constexpr int kPose = 3, kErrors = kStates - kPose;
+  const auto J_pose = J.topRows<kPose>();
+  const Eigen::Matrix<double, kErrors, 1> kept = J.diagonal().tail<kErrors>();
   for (std::size_t k = 0; k < parts_.size(); ++k) {
-    parts_[k] = J * parts_[k] * J.transpose() + added[k];
+    Matrix& part = parts_[k];
+    const Eigen::Matrix<double, kPose, kStates> JP = J_pose * part;
+    part.topLeftCorner<kPose, kPose>() = JP * J_pose.transpose();
+    part.topRightCorner<kPose, kErrors>() = JP.rightCols<kErrors>() * kept.asDiagonal();
+    part.bottomLeftCorner<kErrors, kPose>() = part.topRightCorner<kPose, kErrors>().transpose();
+    part.bottomRightCorner<kErrors, kErrors>().array() *= (kept * kept.transpose()).array();
+    part += added[k];
   }
 }
 

@@ -19,7 +19,7 @@ class AccumulatedNoise {
   using Parts = std::array<Matrix, MotionNoiseScale::kParts>;
 
   void begin(const Parts& parts) { parts_ = parts; }
-  /// Along a motion with this Jacobian, which adds noise.
+  /// Along a motion with this Jacobian, diagonal below the pose's three rows, which adds noise.
   void carry(const Matrix& J, const Parts& added);
   /// It was that many times as large.
   void multiply(double factor);

@@ -1,5 +1,7 @@
 #include "cekf/active_area.h"
 
+#include <algorithm>
+
 namespace hymm::core {
 
 bool ActiveArea::follow(const Eigen::Vector2d& position) {
@@ -11,13 +13,19 @@ bool ActiveArea::follow(const Eigen::Vector2d& position) {
   return true;
 }
 
+/// Landmarks that came into the map since the last update are active, and no origins.
+int ActiveArea::sizeOf(const CompressedEkf& filter) {
+  return std::max(filter.originStates(), 2 * static_cast<int>(filter.activeCount()));
+}
+
 void ActiveArea::updateIfDue(CompressedEkf& filter) {
-  due_ = due_ || filter.originStates() > config_.max_origin_states;
+  const int size = sizeOf(filter);
+  due_ = due_ || size > config_.max_origin_states;
   if (!due_) return;
   if (filter.isGlobalUpdatePending()) {
     if (!deferred_) ++counts_.deferred;
     deferred_ = true;
-    if (filter.originStates() <= 2 * config_.max_origin_states) return;
+    if (size <= 2 * config_.max_origin_states) return;
     ++counts_.waits;
     filter.finishGlobalUpdate();
   }

@@ -44,6 +44,8 @@ class ActiveArea {
   }
 
  private:
+  static int sizeOf(const CompressedEkf& filter);
+
   ActiveAreaConfig config_;
   Eigen::Vector2d centre_ = Eigen::Vector2d::Zero();
   bool due_ = false;

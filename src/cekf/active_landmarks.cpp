@@ -50,8 +50,8 @@ int CompressedEkf::append(const Vector2d& position, const VehicleJacobian& G, co
   dependence.landmarks[1] = another.slot;
   dependence.H_landmarks[1] = another.G;
   const Matrix2d covariance = innovationCovariance(dependence, dependence) + noise;
-  const MatrixXd cross = measurementTimesCovariance(dependence);
-  const MatrixXd phi = measurementTimesPhi(dependence);
+  const MatrixXd cross = measurementsTimesCovariance({dependence});
+  const MatrixXd phi = measurementsTimesPhi({dependence});
   const int slot = appendRow(position, covariance, true);
   const int row = rowOf(slot);
   P_.block(row, 0, 2, row) = cross;

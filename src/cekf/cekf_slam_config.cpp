@@ -15,9 +15,8 @@ void ActiveAreaConfig::describe(ConfigSchema& schema) {
   schema.number("hysteresis_m", hysteresis_m, Range::notNegative(),
                 "how far beyond the border of its cell the vehicle must be");
   schema.integer("max_origin_states", max_origin_states, Range::between(32, 4000),
-                 "states activated since the last global update that call for the next one; at "
-                 "twice as many a "
-                 "scan waits for one that is still pending");
+                 "states activated since the last global update, or active now, that call for the "
+                 "next one; at twice as many a scan waits for one that is still pending");
 }
 
 void UpdateConfig::describe(ConfigSchema& schema) {
@@ -160,10 +159,12 @@ void GpsConfig::describe(ConfigSchema& schema) {
   schema.number("gate_probability", gate_probability, kGateProbability, "chi-square gate of a fix");
   schema.number("min_deviation_m", min_deviation_m, Range::positive(),
                 "no fix is trusted more than this, whatever it says");
-  schema.number("alignment_baseline_m", alignment_baseline_m, Range::positive(),
-                "distance between fixes before the map is aligned with east and north");
+  schema.number(
+      "alignment_baseline_m", alignment_baseline_m, Range::positive(),
+      "distance, by the fixes and in the map, before the map is aligned with east and north");
   schema.integer("alignment_fixes", alignment_fixes, Range::between(2, 10000),
-                 "number of fixes before that");
+                 "number of fixes that agree before that; if so many are refused before one is "
+                 "used, the map is aligned anew");
 }
 
 void CekfSlamConfig::describe(ConfigSchema& schema) {

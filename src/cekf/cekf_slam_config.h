@@ -10,9 +10,10 @@ namespace hymm::core {
 
 /// Which part of the map stays active between global updates.
 struct ActiveAreaConfig {
-  double cell_m = 30.0;         ///< edge of the square cells
-  double hysteresis_m = 3.0;    ///< beyond the cell's border before the area moves on
-  int max_origin_states = 360;  ///< states activated since a global update that force the next
+  double cell_m = 30.0;       ///< edge of the square cells
+  double hysteresis_m = 3.0;  ///< beyond the cell's border before the area moves on
+  int max_origin_states =
+      360;  ///< states activated since a global update, or active, that force the next
 
   void describe(ConfigSchema& schema);
 };

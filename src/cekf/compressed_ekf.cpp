@@ -60,7 +60,14 @@ void CompressedEkf::startInterval() {
   motion_pending_ = false;
 }
 
-VehicleMatrix CompressedEkf::vehicleCovariance() const { return symmetric(P_, vehicle_states_); }
+VehicleMatrix CompressedEkf::vehicleCovariance() const {
+  const int n = vehicle_states_;
+  VehicleMatrix covariance(n, n);
+  for (int j = 0; j < n; ++j) {
+    for (int i = j; i < n; ++i) covariance(i, j) = covariance(j, i) = P_(i, j);
+  }
+  return covariance;
+}
 
 Vector2d CompressedEkf::landmark(int slot) const {
   const int row = rowOf(slot);
@@ -72,17 +79,11 @@ Vector2d CompressedEkf::landmark(int slot) const {
 Matrix2d CompressedEkf::covariance(int slot_a, int slot_b) const {
   flushMotion();
   const int row_a = rowOf(slot_a), row_b = rowOf(slot_b);
-  Matrix2d block;
-  if (row_a >= 0 && row_b >= 0) {
-    for (int i = 0; i < 2; ++i) {
-      for (int j = 0; j < 2; ++j) block(i, j) = covarianceEntry(row_a + i, row_b + j);
-    }
-    return block;
-  }
+  if (row_a >= 0 && row_b >= 0) return covarianceOfRows(row_a, row_b);
   if (row_a >= 0) return phi_.block(row_a, 0, 2, origin_states_) * originCovariance(slot_b);
   if (row_b >= 0) return covariance(slot_b, slot_a).transpose();
   const int index_a = storeIndex(slot_a);
-  block = store_->covariance({index_a, index_a + 1}, storeIndex(slot_b));
+  const Matrix2d block = store_->covariance({index_a, index_a + 1}, storeIndex(slot_b));
   return block - originCovariance(slot_a).transpose() * psiTimes(originCovariance(slot_b));
 }
 

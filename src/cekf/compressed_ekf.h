@@ -280,12 +280,15 @@ class CompressedEkf {
     (row >= column ? P_(row, column) : P_(column, row)) = value;
   }
 
-  /// H * P (2 x states) and H * phi (2 x origin states) of one measurement.
-  Eigen::MatrixXd measurementTimesCovariance(const SparseMeasurement& measurement) const;
-  Eigen::MatrixXd measurementTimesPhi(const SparseMeasurement& measurement) const;
-  /// The same of all, one below the other.
+  /// Of two active landmarks, by their rows.
+  Eigen::Matrix2d covarianceOfRows(int row_a, int row_b) const;
+
+  /// Of measurements, one below the other: their Jacobians by the vehicle's states, H * P
+  /// (x states) and H * phi (x origin states).
+  Eigen::MatrixXd vehicleJacobian(const std::vector<SparseMeasurement>& measurements) const;
   Eigen::MatrixXd measurementsTimesCovariance(
       const std::vector<SparseMeasurement>& measurements) const;
+  Eigen::MatrixXd measurementsTimesPhi(const std::vector<SparseMeasurement>& measurements) const;
   /// Lower triangle of HP * H'.
   Eigen::MatrixXd timesMeasurementsTransposed(
       const Eigen::MatrixXd& HP, const std::vector<SparseMeasurement>& measurements) const;

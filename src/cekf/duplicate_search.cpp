@@ -18,10 +18,30 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 
-// Bounds the work where the vehicle is very uncertain among many landmarks.
+// These bound the work among many landmarks. Landmarks seen lately that are compared: the nearest.
+constexpr std::size_t kMaxRecent = 40;
+// Older ones that one may be, and those of them that are looked at, by what each is known to alone.
 constexpr std::size_t kMaxCandidates = 5;
+constexpr std::size_t kMaxLookedAt = 4 * kMaxCandidates;
 
 constexpr double kAnyTime_s = std::numeric_limits<double>::infinity();
+
+/// Leaves those slots that come first by `cost`, in the order that they had.
+template <class Cost>
+void keepCheapest(std::size_t most, std::vector<int>& slots, Cost&& cost) {
+  if (slots.size() <= most) return;
+  std::vector<double> costs;
+  for (const int slot : slots) costs.push_back(cost(slot));
+  std::vector<double> sorted = costs;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(most),
+                   sorted.end());
+  const double limit = sorted[most];
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (costs[i] < limit) slots[kept++] = slots[i];
+  }
+  slots.resize(kept);
+}
 
 Matrix2d differenceCovariance(const DuplicateLandmarks& a, const DuplicateLandmarks& b,
                               const CompressedEkf& filter) {
@@ -84,7 +104,11 @@ DuplicatesFound DuplicateSearch::find(double time_s, const Vector2d& vehicle,
     if (landmark.identity >= 0) continue;
     if (time_s - landmark.last_seen_s > landmarks_.constellation_span_s) continue;
     recent.push_back(slot);
-    known_since_s = std::min(known_since_s, landmark.first_seen_s);
+  }
+  keepCheapest(kMaxRecent, recent,
+               [&](int slot) { return (registry.bySlot(slot).position - vehicle).squaredNorm(); });
+  for (const int slot : recent) {
+    known_since_s = std::min(known_since_s, registry.bySlot(slot).first_seen_s);
   }
   const Candidates fitting = candidates(recent, {1.0, kAnyTime_s}, are_distinct, registry, filter);
   const MatrixXd S = differenceCovariance(pairsOf(fitting), filter);
@@ -136,22 +160,38 @@ DuplicatesFound DuplicateSearch::findAfterSlip(const Candidates& candidates,
   return {choose(candidates, S, least_log_odds_ - std::log(slip_.probability)), slip};
 }
 
+/// Slots of older landmarks that a recent one may be, by what each is known to alone. `gate`: in
+/// deviations.
+std::vector<int> DuplicateSearch::olderNear(const RegisteredLandmark& recent, double gate,
+                                            const Reach& reach, const AreDistinct& are_distinct,
+                                            const LandmarkRegistry& registry) const {
+  std::vector<int> slots = registry.slotsNear(
+      recent.position, gate * (recent.deviation_m + registry.largestDeviation()));
+  const auto isOther = [&](int slot) {
+    const RegisteredLandmark& older = registry.bySlot(slot);
+    double reach_m = gate * (recent.deviation_m + older.deviation_m);
+    if (reach.widened > 1.0) reach_m = std::min(reach_m, landmarks_.constellation_radius_m);
+    // What was still seen when the recent one came into the map is another object.
+    return slot == recent.slot || older.last_seen_s >= recent.first_seen_s ||
+           older.last_seen_s >= reach.before_s ||
+           (older.position - recent.position).norm() > reach_m ||
+           !mayBeOneKind(older.type, recent.type) || are_distinct(slot, recent.slot);
+  };
+  slots.erase(std::remove_if(slots.begin(), slots.end(), isOther), slots.end());
+  keepCheapest(kMaxLookedAt, slots, [&](int slot) {
+    const RegisteredLandmark& older = registry.bySlot(slot);
+    return (older.position - recent.position).norm() / (recent.deviation_m + older.deviation_m);
+  });
+  return slots;
+}
+
 std::vector<DuplicateSearch::Candidate> DuplicateSearch::candidatesOf(
     int recent_number, const RegisteredLandmark& recent, const Reach& reach,
     const AreDistinct& are_distinct, const LandmarkRegistry& registry,
     CompressedEkf& filter) const {
   const double gate = reach.widened * std::sqrt(gate_);
   std::vector<Candidate> candidates;
-  for (const int slot : registry.slotsNear(
-           recent.position, gate * (recent.deviation_m + registry.largestDeviation()))) {
-    const RegisteredLandmark& older = registry.bySlot(slot);
-    double reach_m = gate * (recent.deviation_m + older.deviation_m);
-    if (reach.widened > 1.0) reach_m = std::min(reach_m, landmarks_.constellation_radius_m);
-    // What was still seen when the recent one came into the map is another object.
-    if (slot == recent.slot || older.last_seen_s >= recent.first_seen_s) continue;
-    if (older.last_seen_s >= reach.before_s) continue;
-    if ((older.position - recent.position).norm() > reach_m) continue;
-    if (!mayBeOneKind(older.type, recent.type) || are_distinct(slot, recent.slot)) continue;
+  for (const int slot : olderNear(recent, gate, reach, are_distinct, registry)) {
     filter.activate(recent.slot);
     filter.activate(slot);
     Candidate candidate;

@@ -71,6 +71,9 @@ class DuplicateSearch {
   Candidates candidates(const std::vector<int>& recent, const Reach& reach,
                         const AreDistinct& are_distinct, const LandmarkRegistry& registry,
                         CompressedEkf& filter) const;
+  std::vector<int> olderNear(const RegisteredLandmark& recent, double gate, const Reach& reach,
+                             const AreDistinct& are_distinct,
+                             const LandmarkRegistry& registry) const;
   std::vector<Candidate> candidatesOf(int recent_number, const RegisteredLandmark& recent,
                                       const Reach& reach, const AreDistinct& are_distinct,
                                       const LandmarkRegistry& registry,

@@ -14,6 +14,7 @@ namespace hymm::core {
 using Eigen::Matrix2d;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using TwoColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
 
 namespace {
 
@@ -21,37 +22,62 @@ int strideOf(const MatrixXd& matrix) { return static_cast<int>(matrix.outerStrid
 
 }  // namespace
 
-MatrixXd CompressedEkf::measurementTimesCovariance(const SparseMeasurement& measurement) const {
-  const int n = states(), nv = vehicle_states_;
-  MatrixXd HP = MatrixXd::Zero(2, n);
-  if (measurement.H_vehicle.cols() > 0) {
-    HP.leftCols(nv) += measurement.H_vehicle.lazyProduct(vehicleCovariance());
-    HP.rightCols(n - nv) +=
-        measurement.H_vehicle.lazyProduct(P_.block(nv, 0, n - nv, nv).transpose());
+Matrix2d CompressedEkf::covarianceOfRows(int row_a, int row_b) const {
+  if (row_a > row_b) return P_.block<2, 2>(row_a, row_b);
+  if (row_a < row_b) return P_.block<2, 2>(row_b, row_a).transpose();
+  Matrix2d own = P_.block<2, 2>(row_a, row_a);
+  own(0, 1) = own(1, 0);
+  return own;
+}
+
+MatrixXd CompressedEkf::vehicleJacobian(const std::vector<SparseMeasurement>& measurements) const {
+  MatrixXd H = MatrixXd::Zero(2 * static_cast<Eigen::Index>(measurements.size()), vehicle_states_);
+  for (std::size_t k = 0; k < measurements.size(); ++k) {
+    const VehicleJacobian& rows = measurements[k].H_vehicle;
+    if (rows.cols() > 0) H.middleRows<2>(2 * static_cast<Eigen::Index>(k)) = rows;
   }
-  for (int k = 0; k < SparseMeasurement::kPairs; ++k) {
-    if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
-    const int row = rowOf(measurement.landmarks[k]);
-    const Matrix2d& H = measurement.H_landmarks[k];
-    HP.leftCols(row) += H.lazyProduct(P_.block(row, 0, 2, row));
-    Matrix2d own = P_.block<2, 2>(row, row);
-    own(0, 1) = own(1, 0);
-    HP.middleCols<2>(row) += H * own;
-    const int below = n - row - 2;
-    HP.rightCols(below) += H.lazyProduct(P_.block(row + 2, row, below, 2).transpose());
+  return H;
+}
+
+MatrixXd CompressedEkf::measurementsTimesCovariance(
+    const std::vector<SparseMeasurement>& measurements) const {
+  const int n = states(), nv = vehicle_states_;
+  const MatrixXd H_vehicle = vehicleJacobian(measurements);
+  const auto m = static_cast<int>(H_vehicle.rows());
+  MatrixXd HP = MatrixXd::Zero(m, n);
+  HP.leftCols(nv) = H_vehicle.lazyProduct(vehicleCovariance());
+  blas::gemm(false, true, m, n - nv, nv, 1.0, H_vehicle.data(), m, P_.data() + nv, strideOf(P_),
+             HP.data() + std::ptrdiff_t{nv} * m, m);
+  for (int i = 0; i < m; i += 2) {
+    const SparseMeasurement& measurement = measurements[static_cast<std::size_t>(i / 2)];
+    auto rows = HP.middleRows<2>(i);
+    for (int k = 0; k < SparseMeasurement::kPairs; ++k) {
+      if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
+      const int row = rowOf(measurement.landmarks[k]), below = n - row - 2;
+      const Matrix2d& H = measurement.H_landmarks[k];
+      rows.leftCols(row) += H.lazyProduct(P_.block(row, 0, 2, row));
+      rows.middleCols<2>(row) += H * covarianceOfRows(row, row);
+      rows.rightCols(below) += H.lazyProduct(P_.block(row + 2, row, below, 2).transpose());
+    }
   }
   return HP;
 }
 
-MatrixXd CompressedEkf::measurementTimesPhi(const SparseMeasurement& measurement) const {
-  MatrixXd Hphi = MatrixXd::Zero(2, origin_states_);
-  if (measurement.H_vehicle.cols() > 0) {
-    Hphi += measurement.H_vehicle.lazyProduct(phi_.topLeftCorner(vehicle_states_, origin_states_));
-  }
-  for (int k = 0; k < SparseMeasurement::kPairs; ++k) {
-    if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
-    const int row = rowOf(measurement.landmarks[k]);
-    Hphi += measurement.H_landmarks[k] * phi_.block(row, 0, 2, origin_states_);
+MatrixXd CompressedEkf::measurementsTimesPhi(
+    const std::vector<SparseMeasurement>& measurements) const {
+  const int n0 = origin_states_;
+  const MatrixXd H_vehicle = vehicleJacobian(measurements);
+  const auto m = static_cast<int>(H_vehicle.rows());
+  MatrixXd Hphi = MatrixXd::Zero(m, n0);
+  blas::gemm(false, false, m, n0, vehicle_states_, 1.0, H_vehicle.data(), m, phi_.data(),
+             strideOf(phi_), Hphi.data(), m);
+  for (int i = 0; i < m; i += 2) {
+    const SparseMeasurement& measurement = measurements[static_cast<std::size_t>(i / 2)];
+    for (int k = 0; k < SparseMeasurement::kPairs; ++k) {
+      if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
+      Hphi.middleRows<2>(i) += measurement.H_landmarks[k].lazyProduct(
+          phi_.block(rowOf(measurement.landmarks[k]), 0, 2, n0));
+    }
   }
   return Hphi;
 }
@@ -90,16 +116,6 @@ Matrix2d CompressedEkf::innovationCovariance(const SparseMeasurement& a,
   return S;
 }
 
-MatrixXd CompressedEkf::measurementsTimesCovariance(
-    const std::vector<SparseMeasurement>& measurements) const {
-  MatrixXd HP(2 * static_cast<Eigen::Index>(measurements.size()), states());
-  for (std::size_t k = 0; k < measurements.size(); ++k) {
-    HP.middleRows<2>(2 * static_cast<Eigen::Index>(k)) =
-        measurementTimesCovariance(measurements[k]);
-  }
-  return HP;
-}
-
 MatrixXd CompressedEkf::timesMeasurementsTransposed(
     const MatrixXd& HP, const std::vector<SparseMeasurement>& measurements) const {
   const auto m = static_cast<int>(HP.rows());
@@ -122,10 +138,42 @@ MatrixXd CompressedEkf::timesMeasurementsTransposed(
   return S;
 }
 
+/// H * P is worked out where H' needs it alone: at the vehicle's states, and at those landmarks
+/// that are measured.
 MatrixXd CompressedEkf::innovationCovariance(
     const std::vector<SparseMeasurement>& measurements) const {
   flushMotion();
-  return timesMeasurementsTransposed(measurementsTimesCovariance(measurements), measurements);
+  const int nv = vehicle_states_;
+  const MatrixXd H_vehicle = vehicleJacobian(measurements);
+  const auto m = static_cast<int>(H_vehicle.rows());
+  const auto visit = [&](int i, auto&& add) {
+    const SparseMeasurement& measurement = measurements[static_cast<std::size_t>(i / 2)];
+    for (int k = 0; k < SparseMeasurement::kPairs; ++k) {
+      if (measurement.landmarks[k] == SparseMeasurement::kNone) continue;
+      add(rowOf(measurement.landmarks[k]), measurement.H_landmarks[k]);
+    }
+  };
+  MatrixXd HP_vehicle = H_vehicle.lazyProduct(vehicleCovariance());
+  for (int i = 0; i < m; i += 2) {
+    visit(i, [&](int row, const Matrix2d& H) {
+      HP_vehicle.middleRows<2>(i) += H.lazyProduct(P_.block(row, 0, 2, nv));
+    });
+  }
+  MatrixXd S(m, m);
+  for (int j = 0; j < m; j += 2) {
+    auto column = S.block(j, j, m - j, 2);
+    column = HP_vehicle.bottomRows(m - j).lazyProduct(H_vehicle.middleRows<2>(j).transpose());
+    visit(j, [&](int row, const Matrix2d& H) {
+      TwoColumns HP = H_vehicle.bottomRows(m - j).lazyProduct(P_.block(row, 0, 2, nv).transpose());
+      for (int i = j; i < m; i += 2) {
+        visit(i, [&](int other_row, const Matrix2d& other_H) {
+          HP.middleRows<2>(i - j) += other_H * covarianceOfRows(other_row, row);
+        });
+      }
+      column += HP.lazyProduct(H.transpose());
+    });
+  }
+  return S;
 }
 
 std::optional<CompressedEkf::Linearised> CompressedEkf::linearise(
@@ -172,10 +220,7 @@ UpdateOutcome CompressedEkf::update(const std::vector<SparseMeasurement>& measur
                                     Linearised linearised) {
   if (measurements.empty()) return {};
   const int m = 2 * static_cast<int>(measurements.size()), n = states(), n0 = origin_states_;
-  MatrixXd Hphi(m, n0);
-  for (int k = 0; k < m; k += 2) {
-    Hphi.middleRows<2>(k) = measurementTimesPhi(measurements[static_cast<std::size_t>(k / 2)]);
-  }
+  MatrixXd Hphi = measurementsTimesPhi(measurements);
 
   // With S = L * L': every term needs its factors only as L^-1 * (.).
   MatrixXd& HP = linearised.HP;
@@ -203,11 +248,7 @@ UpdateOutcome CompressedEkf::update(const std::vector<SparseMeasurement>& measur
 
 void CompressedEkf::tellVehicle(const std::vector<SparseMeasurement>& measurements,
                                 const Linearised& linearised, UpdateOutcome& outcome) const {
-  MatrixXd H = MatrixXd::Zero(linearised.L.rows(), vehicle_states_);
-  for (std::size_t k = 0; k < measurements.size(); ++k) {
-    const VehicleJacobian& rows = measurements[k].H_vehicle;
-    if (rows.cols() > 0) H.middleRows<2>(2 * static_cast<Eigen::Index>(k)) = rows;
-  }
+  MatrixXd H = vehicleJacobian(measurements);
   linearised.L.triangularView<Eigen::Lower>().solveInPlace(H);
   outcome.vehicle_score = H.transpose() * linearised.whitened;
   outcome.vehicle_information = H.transpose() * H;

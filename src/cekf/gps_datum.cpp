@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <Eigen/LU>
 
@@ -15,9 +16,44 @@ using Eigen::Matrix2d;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 
+// Bounds memory and work where a vehicle collects fixes for long before it drives.
+constexpr std::size_t kMostSamples = 500;
+
 Vector2d turnedLeft(const Vector2d& v) { return {-v.y(), v.x()}; }
 
 }  // namespace
+
+/// The rigid motion that takes fixes to where the antenna was in the map, by least squares.
+class GpsDatum::Alignment {
+ public:
+  explicit Alignment(const std::vector<Sample>& samples) {
+    const auto n = static_cast<double>(samples.size());
+    for (const Sample& sample : samples) {
+      mean_map_ += sample.antenna_map / n;
+      mean_fix_ += sample.fix / n;
+    }
+    double dot = 0.0, cross = 0.0;
+    for (const Sample& sample : samples) {
+      const Vector2d m = sample.antenna_map - mean_map_, f = sample.fix - mean_fix_;
+      dot += f.dot(m);
+      cross += f.x() * m.y() - f.y() * m.x();
+      spread_ += f.squaredNorm();
+    }
+    yaw_rad_ = std::atan2(cross, dot);
+    R_ = Pose2{0.0, 0.0, yaw_rad_}.rotation();
+  }
+
+  double yaw() const { return yaw_rad_; }
+  double spread() const { return spread_; }  ///< sum of the squared distances from the fixes' mean
+  Vector2d residual(const Sample& sample) const {
+    return sample.antenna_map - mean_map_ - R_ * (sample.fix - mean_fix_);
+  }
+
+ private:
+  Vector2d mean_map_ = Vector2d::Zero(), mean_fix_ = Vector2d::Zero();
+  double yaw_rad_ = 0.0, spread_ = 0.0;
+  Matrix2d R_;
+};
 
 GpsDatum::GpsDatum(const GpsConfig& config, int first_state)
     : config_(config),
@@ -25,43 +61,73 @@ GpsDatum::GpsDatum(const GpsConfig& config, int first_state)
       gate_(chiSquareQuantile(config.gate_probability, 2)) {}
 
 std::optional<UpdateOutcome> GpsDatum::process(const GpsFix& fix, CompressedEkf& filter) {
-  if (aligned_) return update(fix, filter);
+  if (aligned_) {
+    const std::optional<UpdateOutcome> outcome = update(fix, filter);
+    noteOutcome(outcome.has_value());
+    return outcome;
+  }
   collect(fix, filter);
-  if (samples_.size() < static_cast<std::size_t>(config_.alignment_fixes)) return std::nullopt;
-  const Vector2d baseline = samples_.back().fix - samples_.front().fix;
-  if (baseline.norm() < config_.alignment_baseline_m) return std::nullopt;
-  align(fix, filter);
+  if (!spansBaseline(samples_)) return std::nullopt;
+  const std::optional<Turn> turn = agreedTurn();
+  if (!turn) return std::nullopt;
+  align(fix, *turn, filter);
   return UpdateOutcome{};
 }
 
-void GpsDatum::collect(const GpsFix& fix, const CompressedEkf& filter) {
-  samples_.push_back({VehicleState::pose(filter) * fix.antenna, fix.position});
+/// An alignment that refuses all fixes is wrong, and has changed nothing yet.
+void GpsDatum::noteOutcome(bool used) {
+  confirmed_ = confirmed_ || used;
+  if (confirmed_ || ++refused_ < config_.alignment_fixes) return;
+  aligned_ = false;
+  refused_ = 0;
 }
 
-void GpsDatum::align(const GpsFix& fix, CompressedEkf& filter) {
-  Vector2d mean_map = Vector2d::Zero(), mean_fix = Vector2d::Zero();
-  for (const Sample& sample : samples_) {
-    mean_map += sample.antenna_map / static_cast<double>(samples_.size());
-    mean_fix += sample.fix / static_cast<double>(samples_.size());
+void GpsDatum::collect(const GpsFix& fix, const CompressedEkf& filter) {
+  if (samples_.size() >= kMostSamples) {  // every other one, of those that are there, goes
+    for (std::size_t i = 1; 2 * i < samples_.size(); ++i) samples_[i] = samples_[2 * i];
+    samples_.resize((samples_.size() + 1) / 2);
   }
-  double dot = 0.0, cross = 0.0, spread = 0.0;
-  for (const Sample& sample : samples_) {
-    const Vector2d m = sample.antenna_map - mean_map, f = sample.fix - mean_fix;
-    dot += f.dot(m);
-    cross += f.x() * m.y() - f.y() * m.x();
-    spread += f.squaredNorm();
-  }
-  const double yaw = std::atan2(cross, dot);
+  const double drift2 = filter.vehicleCovariance().topLeftCorner<2, 2>().trace();
+  samples_.push_back({VehicleState::pose(filter) * fix.antenna, fix.position,
+                      noiseOf(fix).trace() / 2.0 + drift2});
+}
 
-  // T_map_enu from the present pose and fix: t = antenna_map - R(yaw) * fix. The yaw's error is
-  // that of the fixes over their spread, and of the vehicle's own drift while they were collected.
+/// Both by the fixes and in the map: a vehicle at rest whose GPS jumps has not travelled.
+bool GpsDatum::spansBaseline(const std::vector<Sample>& samples) const {
+  if (samples.size() < static_cast<std::size_t>(config_.alignment_fixes)) return false;
+  const Sample &first = samples.front(), &last = samples.back();
+  return (last.fix - first.fix).norm() >= config_.alignment_baseline_m &&
+         (last.antenna_map - first.antenna_map).norm() >= config_.alignment_baseline_m;
+}
+
+/// The best turn (least squares) for the fixes that agree; those that agree least are left out one
+/// by one. Nothing if too few are left, or the last is not among them: it places the map.
+std::optional<GpsDatum::Turn> GpsDatum::agreedTurn() const {
+  std::vector<Sample> agreeing = samples_;
+  while (spansBaseline(agreeing) && 2 * agreeing.size() > samples_.size()) {
+    const Alignment fit(agreeing);
+    const auto disagreement = [&](const Sample& sample) {
+      return fit.residual(sample).squaredNorm() / sample.variance;
+    };
+    const auto worst = std::max_element(
+        agreeing.begin(), agreeing.end(),
+        [&](const Sample& a, const Sample& b) { return disagreement(a) < disagreement(b); });
+    // The yaw's error is that of the fixes over their spread, and of the vehicle's own drift while
+    // they were collected.
+    if (disagreement(*worst) <= gate_)
+      return Turn{fit.yaw(), agreeing.back().variance / fit.spread()};
+    if (std::next(worst) == agreeing.end()) return std::nullopt;
+    agreeing.erase(worst);
+  }
+  return std::nullopt;
+}
+
+void GpsDatum::align(const GpsFix& fix, const Turn& turn, CompressedEkf& filter) {
+  // T_map_enu from the present pose and fix: t = antenna_map - R(yaw) * fix.
   const Pose2 pose = VehicleState::pose(filter);
-  const Matrix2d R = Pose2{0.0, 0.0, yaw}.rotation();
+  const Matrix2d R = Pose2{0.0, 0.0, turn.yaw_rad}.rotation();
   const Vector2d antenna = pose * fix.antenna;
   const Vector2d rotated = R * fix.position;
-  const double sigma2 = noiseOf(fix).trace() / 2.0;
-  const double drift2 = filter.vehicleCovariance().topLeftCorner<2, 2>().trace();
-  const double yaw_variance = (sigma2 + drift2) / spread;
 
   MatrixXd G = MatrixXd::Zero(3, filter.vehicleStates());
   G.block<2, 2>(0, 0).setIdentity();
@@ -72,11 +138,13 @@ void GpsDatum::align(const GpsFix& fix, CompressedEkf& filter) {
   J_noise(2, 2) = 1.0;
   Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
   noise.topLeftCorner<2, 2>() = noiseOf(fix);
-  noise(2, 2) = yaw_variance;
+  noise(2, 2) = turn.variance;
   const Vector2d t = antenna - rotated;
-  filter.initialiseVehicleStates(first_state_, Eigen::Vector3d(t.x(), t.y(), yaw), G,
+  filter.initialiseVehicleStates(first_state_, Eigen::Vector3d(t.x(), t.y(), turn.yaw_rad), G,
                                  J_noise * noise * J_noise.transpose());
   aligned_ = true;
+  confirmed_ = false;
+  refused_ = 0;
   samples_.clear();
 }
 

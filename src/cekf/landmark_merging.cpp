@@ -136,6 +136,7 @@ void LandmarkLifeCycle::takeOver(const RegisteredLandmark& gone, RegisteredLandm
   if (isConfirmed(kept)) unconfirmed_ids_.erase(kept.id);
   const std::set<int> others = distinct_from_[gone.id];
   distinct_from_[kept.id].insert(others.begin(), others.end());
+  for (const int other : others) distinct_from_[other].insert(kept.id);
 }
 
 }  // namespace hymm::core

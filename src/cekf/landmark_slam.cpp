@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/LU>
+
 #include "cekf/relative_covariance.h"
 #include "common/cpu_timer.h"
 #include "common/gaussian.h"
@@ -13,10 +15,25 @@
 namespace hymm::core {
 namespace {
 
+// Of a diameter's variance, what rounding may take away once range and bearing are given.
+constexpr double kRounding = 1e-9;
+
+/// Of an observation whose range and bearing are in order, the diameter and its covariance with
+/// them.
+bool isDiameterUsable(const Observation& observation) {
+  const double diameter_m = observation.diameter_m, variance = observation.diameter_variance;
+  if (std::isnan(diameter_m)) return true;
+  if (!(diameter_m >= 0.0) || std::isinf(diameter_m)) return false;
+  if (std::isnan(variance)) return true;
+  const Eigen::Vector2d& cross = observation.diameter_covariance;
+  const double explained = cross.dot(observation.covariance.inverse() * cross);
+  return std::isfinite(variance) && explained <= (1.0 + kRounding) * variance;
+}
+
 bool isUsable(const Observation& observation) {
   return std::isfinite(observation.range_m) && observation.range_m > 0.0 &&
          std::isfinite(observation.bearing_rad) && isCovariance(observation.covariance) &&
-         !(observation.diameter_m < 0.0);
+         isDiameterUsable(observation);
 }
 
 // Beyond the reach of a sensor and of a large correction, a landmark's place may lag behind.

@@ -14,18 +14,26 @@ using VehicleMatrix =
 /// Jacobian of something with two coordinates by the vehicle's states.
 using VehicleJacobian = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxVehicleStates>;
 
-/// M * J' for the Jacobian J of a motion. Most of J is zero, as the errors and the calibration of a
-/// vehicle change by themselves alone; products with zeros are left out.
+/// How many rows of the Jacobian of a motion come before those that are diagonal: the pose depends
+/// on all states of the vehicle, its errors and calibration change by themselves alone.
+inline Eigen::Index rowsBeforeDiagonal(const VehicleMatrix& J) {
+  for (Eigen::Index i = J.rows(); i > 0; --i) {
+    for (Eigen::Index k = 0; k < J.cols(); ++k) {
+      if (k != i - 1 && J(i - 1, k) != 0.0) return i;
+    }
+  }
+  return 0;
+}
+
+/// M * J' for the Jacobian J of a motion.
 template <class Left>
 auto timesMotionTransposed(const Left& M, const VehicleMatrix& J) {
   using Product = Eigen::Matrix<double, Left::RowsAtCompileTime, Eigen::Dynamic, 0,
                                 Left::MaxRowsAtCompileTime, kMaxVehicleStates>;
-  Product product = Product::Zero(M.rows(), J.rows());
-  for (Eigen::Index k = 0; k < J.cols(); ++k) {
-    for (Eigen::Index i = 0; i < J.rows(); ++i) {
-      if (J(i, k) != 0.0) product.col(i) += J(i, k) * M.col(k);
-    }
-  }
+  const Eigen::Index n = J.rows(), full = rowsBeforeDiagonal(J);
+  Product product(M.rows(), n);
+  product.leftCols(full) = M.lazyProduct(J.topRows(full).transpose());
+  for (Eigen::Index i = full; i < n; ++i) product.col(i) = J(i, i) * M.col(i);
   return product;
 }
 

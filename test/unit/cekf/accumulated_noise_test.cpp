@@ -85,7 +85,9 @@ TEST_F(AccumulatedNoiseTest, HasTheVarianceOfTheSlopeAsInformation) {
 }
 
 TEST_F(AccumulatedNoiseTest, IsCarriedAlongTheMotion) {
-  const AccumulatedNoise::Matrix J = randomMatrix(generator_, kStates, kStates);
+  AccumulatedNoise::Matrix J = AccumulatedNoise::Matrix::Zero();
+  J.topRows<3>() = randomMatrix(generator_, 3, kStates);
+  J.diagonal().tail<3>() = randomMatrix(generator_, 3, 1);  // what the errors keep
   const AccumulatedNoise::Parts added{randomCovariance(generator_, 1),
                                       randomCovariance(generator_, 1)};
   noise_.carry(J, added);

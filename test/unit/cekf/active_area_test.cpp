@@ -47,6 +47,19 @@ TEST(ActiveArea, FollowsTheVehicleBeyondItsCellAndHysteresis) {
   EXPECT_EQ(area.counts().switches, 1U);
 }
 
+TEST(ActiveArea, UpdatesWhenTooManyLandmarksHaveComeIntoTheMap) {
+  CompressedEkf filter = filterWith(0);
+  ActiveArea area(smallArea());
+  for (int i = 0; i < 16; ++i)
+    filter.append({1.0 * i, 0.0}, MatrixXd::Zero(2, 3), Matrix2d::Identity());
+  area.updateIfDue(filter);
+  EXPECT_EQ(area.counts().global_updates, 0U);
+  filter.append({0.0, 5.0}, MatrixXd::Zero(2, 3), Matrix2d::Identity());
+  area.updateIfDue(filter);
+  EXPECT_EQ(area.counts().global_updates, 1U);
+  EXPECT_EQ(filter.activeCount(), 0U);
+}
+
 TEST(ActiveArea, UpdatesWhenTheVehicleHasLeftItsCellAndNotBefore) {
   CompressedEkf filter = filterWith(3);
   ActiveArea area(smallArea());

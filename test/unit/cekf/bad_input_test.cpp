@@ -155,10 +155,12 @@ BadObservation withCovariance(const char* name, double rr, double rb, double br,
   return {name, observation};
 }
 
-BadObservation withDiameter(const char* name, double diameter_m) {
+BadObservation withDiameter(const char* name, double diameter_m, double variance = 0.01,
+                            double with_range = 0.0) {
   Observation observation = seen(5.0, 0.0);
   observation.diameter_m = diameter_m;
-  observation.diameter_variance = 0.01;
+  observation.diameter_variance = variance;
+  observation.diameter_covariance[0] = with_range;
   return {name, observation};
 }
 
@@ -187,6 +189,11 @@ INSTANTIATE_TEST_SUITE_P(
                     BadObservation{"BearingNan", seen(5.0, kNan)},
                     BadObservation{"BearingInfinite", seen(5.0, -kInfinity)},
                     withDiameter("DiameterNegative", -0.3),
+                    withDiameter("DiameterInfinite", kInfinity),
+                    withDiameter("DiameterVarianceNegative", 0.3, -0.01),
+                    withDiameter("DiameterVarianceInfinite", 0.3, kInfinity),
+                    withDiameter("DiameterCovarianceNan", 0.3, 0.01, kNan),
+                    withDiameter("DiameterCovarianceTooLarge", 0.3, 0.01, 1.0),
                     withCovariance("CovarianceNan", kNan, 0.0, 0.0, 1e-5),
                     withCovariance("CovarianceInfinite", 1e-3, 0.0, 0.0, kInfinity),
                     withCovariance("CovarianceZero", 0.0, 0.0, 0.0, 0.0),

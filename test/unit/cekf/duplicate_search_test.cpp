@@ -61,6 +61,21 @@ TEST_F(DuplicateSearchTest, RecognisesAConstellationThatCameBack) {
   for (const DuplicateLandmarks& pair : found) EXPECT_EQ(pair.gone, pair.kept + 3);
 }
 
+TEST_F(DuplicateSearchTest, ActivatesNoMoreThanItCanCompareHoweverManyLandmarksThereAre) {
+  constexpr int kSide = 24;  // on a grid of 1 m
+  for (int i = 0; i < kSide * kSide; ++i) {
+    addOld({1.0 * (i % kSide - kSide / 2), 1.0 * (i / kSide - kSide / 2)});
+  }
+  std::vector<Vector2d> again;
+  for (int i = 0; i < 100; ++i) again.emplace_back(0.5 + i % 10 - 5, 0.5 + i / 10 - 5);
+  for (const Vector2d& place : again) addAgain(place);
+  filter_.globalUpdate();
+  filter_.finishGlobalUpdate();
+  find();
+  // Each of the 40 nearest, and the old ones within 3 m of it: a disc of 6 m.
+  EXPECT_LT(filter_.activeCount(), 40U + 120U);
+}
+
 TEST_F(DuplicateSearchTest, TellsOfNoSlipWhereNoneIsNeeded) {
   const std::vector<Vector2d> places = {{10.0, 0.0}, {4.0, 9.0}, {-7.0, 12.0}};
   for (const Vector2d& place : places) addOld(place);
