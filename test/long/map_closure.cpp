@@ -18,6 +18,7 @@
 #include "beam_outcomes.h"
 #include "benchmark/flat_grid.h"
 #include "cekf/map_schedule.h"
+#include "free_cells.h"
 #include "hybrid_map/log_odds.h"
 #include "hybrid_map/map_export.h"
 #include "hybrid_map/map_image.h"
@@ -205,6 +206,15 @@ class Drive {
     std::cout << compared.text("end_cells", miss / (hit + miss));
   }
 
+  /// How much of what the map calls free, at the end, is solid.
+  void reportFree() {
+    constexpr double kFine_m = 0.02;
+    const TrueOccupancy fine = simulation_.occupancy(kFine_m);
+    const FreeCells free(truth_, fine);
+    std::cout << free.text("end", image_.image()) << free.text("end_flat", flat_.image())
+              << free.text("end_true_pose", truly_placed_.image());
+  }
+
   void reportPlacement() {
     std::cout << placement_.text("placed", filter_.landmarkMap(0.0), simulation_.landmarks());
   }
@@ -384,6 +394,7 @@ void run(const Options& options) {
   }
   drive.report("end");
   drive.reportOutcomes();
+  drive.reportFree();
   drive.reportPlacement();
   drive.writeMemory();
 }
