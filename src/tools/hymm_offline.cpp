@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +18,7 @@
 #include "pipeline/suite_stages.h"
 #include "ros/parameters.h"
 #include "ros/process_usage.h"
+#include "storage/map_folder.h"
 #include "tools/offline_source.h"
 
 namespace hymm {
@@ -110,11 +112,23 @@ std::vector<std::string> loadMap(const Options& options, core::OfflineRun& offli
   return offline.loadMap(options.load, use, start);
 }
 
+/// Whether the map can be saved is known before the run, not after it.
+void prepareSave(const Options& options) {
+  if (options.save.empty()) return;
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.save, options.output, ignored)) {
+    throw core::InputError("--save and --output name the same folder, " + options.output +
+                           "; give the map a folder of its own.");
+  }
+  core::MapFolder(options.save).prepare();
+}
+
 void runOffline(const Options& options) {
   const auto start = std::chrono::steady_clock::now();
   const std::vector<std::string> nodes = core::chosenNodes(options.only);
   const core::SuiteConfig config = readConfig(options);
   core::ResultsWriter results(options.output);
+  prepareSave(options);
   core::OfflineRun offline(config, nodes, results);
   std::optional<core::ObservationLog> log;
   if (options.observations) offline.logObservations(log.emplace(options.output));
@@ -125,7 +139,6 @@ void runOffline(const Options& options) {
   if (offline.scans() == 0) throw core::InputError("No scan could be used; nothing was estimated.");
 
   if (log) log->finish();
-  if (!options.save.empty()) offline.saveMap(options.save);
   offline.writeFiles(options.output);
   core::RunTotals totals = offline.totals();
   totals.notes = notes;
@@ -136,6 +149,8 @@ void runOffline(const Options& options) {
   totals.addOtherCpu();
   totals.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   results.finish(offline.landmarkMap(), totals);
+  // Last, so that a map that cannot be saved does not cost the results.
+  if (!options.save.empty()) offline.saveMap(options.save);
 }
 
 }  // namespace
