@@ -22,6 +22,7 @@ constexpr double kQuiet_s = 5.0;           // by the wall, after which nothing w
 
 RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle)
     : vehicle_(vehicle),
+      output_(config.output),
       writer_(config.output),
       grid_(config.output, causes_),
       level_sets_(config.output),
@@ -129,8 +130,12 @@ void RecorderNode::writeScan(core::ScanRecord scan) {
     scan.pose.covariance = planarCovariance(in_charge->second);
     poses_.erase(poses_.begin(), std::next(in_charge));
   }
-  writer_.addScan(scan);
   ++written_scans_;
+  try {
+    writer_.addScan(scan);
+  } catch (const core::OutputError& error) {  // it waits for the next attempt
+    tellNotSaved(error);
+  }
 }
 
 bool RecorderNode::isWaitingForMode() const {
@@ -200,15 +205,22 @@ bool RecorderNode::isQuiet() const {
 void RecorderNode::save() {
   const double begin_s = steadyNow();
   if (isQuiet()) write(std::numeric_limits<double>::infinity());
+  if (written_scans_ == 0) return;  // the results of an earlier run stay until then
   try {
     grid_.write();
     level_sets_.write();
     writer_.save(landmarks_.map(), totals());
     saved_wall_s_ = steadyNow();
     save_ms_ = 1e3 * (saved_wall_s_ - begin_s);
-  } catch (const core::OutputError& error) {  // perhaps there will be room again at the end
-    causes_.count("not saved", std::string("Results cannot be saved: ") + error.what());
+    is_saved_ = true;
+  } catch (const core::OutputError& error) {  // perhaps there will be room again next time
+    tellNotSaved(error);
   }
+}
+
+void RecorderNode::tellNotSaved(const core::OutputError& error) {
+  is_saved_ = false;
+  causes_.count("not saved", std::string("Results cannot be saved: ") + error.what());
 }
 
 void RecorderNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -225,15 +237,18 @@ void RecorderNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   }
   const auto causes = causes_.counts();
   for (const auto& [cause, count] : causes) status.add(cause, count);
-  if (causes.count("not saved") > 0) {
-    status.mergeSummary(DiagnosticStatus::ERROR, "Results could not be saved");
-  }
+  if (!is_saved_) status.mergeSummary(DiagnosticStatus::ERROR, "Results could not be saved");
 }
 
 void RecorderNode::finish() {
   save_timer_.stop();
   diagnostics_timer_.stop();
   write(std::numeric_limits<double>::infinity());
+  if (written_scans_ == 0) {
+    ROS_WARN_STREAM("No scan has come; nothing is recorded, and " << output_
+                                                                  << " is left as it was.");
+    return;
+  }
   grid_.write();
   level_sets_.write();
   writer_.finish(landmarks_.map(), totals());

@@ -19,6 +19,7 @@
 #include <ros/ros.h>
 #include <sensor_msgs/NavSatFix.h>
 
+#include "common/error.h"
 #include "nodes/recorder_config.h"
 #include "pipeline/landmark_mirror.h"
 #include "pipeline/results_writer.h"
@@ -34,7 +35,8 @@ namespace hymm {
 
 /// The node `recorder`: writes what the live nodes find into the folder that `hymm_offline` would
 /// write, in the order of stamps. All of it is saved now and then, so that even a node that is
-/// killed leaves a complete folder, of a moment before.
+/// killed leaves a complete folder, of a moment before. What cannot be saved is kept, and saved
+/// when that is possible again. Until the first scan the folder stays as it is.
 class RecorderNode {
  public:
   /// Throws OutputError if the folder cannot be written.
@@ -60,10 +62,12 @@ class RecorderNode {
   bool isWaitingForMode() const;
   bool isQuiet() const;
   void save();
+  void tellNotSaved(const core::OutputError& error);
   core::RunTotals totals() const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   core::VehicleConfig vehicle_;
+  std::string output_;
   core::ResultsWriter writer_;
   CauseLog causes_;
   GridRecord grid_;
@@ -81,6 +85,7 @@ class RecorderNode {
   double begin_wall_s_;
   double last_scan_wall_s_ = 0.0;
   std::size_t written_scans_ = 0;
+  bool is_saved_ = true;       ///< what was last tried to be saved
   double saved_wall_s_ = 0.0;  ///< when the folder was last complete
   double save_ms_ = 0.0;       ///< what that took
 

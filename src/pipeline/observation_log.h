@@ -13,9 +13,10 @@ namespace hymm::core {
 /// bearing_deviation, diameter.
 class ObservationLog {
  public:
-  /// Throws OutputError if the file cannot be made in `folder`, which exists.
+  /// `folder` exists. Touches nothing.
   explicit ObservationLog(const std::filesystem::path& folder);
 
+  /// Throws OutputError if what was added could not be written.
   void add(const ScanOutcome& outcome);
 
   /// Throws OutputError if what was added could not be written.

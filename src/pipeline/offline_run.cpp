@@ -69,9 +69,10 @@ void OfflineRun::processReleased(const SensorEvent& event) {
 }
 
 void OfflineRun::finishScan(const SensorEvent& event, const ScanOutcome& outcome) {
-  if (log_ != nullptr) log_->add(outcome);
   if (!stages_.empty()) serveStages(event, outcome);
   record(outcome);
+  // After the first record, which removes what an earlier run left in the folder.
+  if (log_ != nullptr) log_->add(outcome);
 }
 
 /// As FilterOutput publishes it: what changed with each scan, and now and then all landmarks.

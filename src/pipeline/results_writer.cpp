@@ -8,6 +8,7 @@
 #include "common/json.h"
 #include "common/unfinished_file.h"
 #include "pipeline/csv_line.h"
+#include "pipeline/results_folder.h"
 
 namespace hymm::core {
 namespace {
@@ -55,15 +56,6 @@ std::string landmarksText(const LandmarkMap& map) {
   return text;
 }
 
-/// The folder, made and without the summary of an earlier run.
-fs::path prepared(const std::string& folder) {
-  std::error_code problem;
-  fs::create_directories(folder, problem);
-  if (problem) throw OutputError(folder + ": cannot be made: " + problem.message() + ".");
-  fs::remove(fs::path(folder) / "summary.json", problem);
-  return folder;
-}
-
 }  // namespace
 
 void RunTotals::addOtherCpu() {
@@ -73,7 +65,7 @@ void RunTotals::addOtherCpu() {
 }
 
 ResultsWriter::ResultsWriter(const std::string& folder)
-    : folder_(prepared(folder)),
+    : folder_(makeResultsFolder(folder)),
       trajectory_(folder_ / "trajectory.tum"),
       covariance_(folder_ / "pose_covariance.csv"),
       health_(folder_ / "health.csv"),
@@ -83,7 +75,6 @@ ResultsWriter::ResultsWriter(const std::string& folder)
   health_.add("t,nis,dof,ambiguity,unexplained,missed,latency_ms,mode");
   gps_.add("t,x,y,cxx,cxy,cyy");
   events_.add("t,scan,event,mode,reason");
-  flushLines();
 }
 
 void ResultsWriter::addScan(const ScanRecord& record) {
@@ -146,16 +137,24 @@ void ResultsWriter::finish(const LandmarkMap& map, const RunTotals& totals) {
   replaceFile(folder_ / "summary.json", summaryText(map, totals));
 }
 
+std::vector<LineFile*> ResultsWriter::files() {
+  return {&trajectory_, &covariance_, &health_, &gps_, &events_};
+}
+
 void ResultsWriter::flushIfMuchWaits() {
   std::size_t waiting = 0;
-  for (const LineFile* file : {&trajectory_, &covariance_, &health_, &gps_, &events_}) {
-    waiting += file->waiting();
-  }
-  if (waiting > kMostWaitingBytes) flushLines();
+  for (const LineFile* file : files()) waiting += file->waiting();
+  if (waiting <= next_flush_bytes_) return;
+  // Where it fails, the next attempt is not with the next scan: each hands over all that waits.
+  next_flush_bytes_ = waiting + kMostWaitingBytes;
+  flushLines();
 }
 
 void ResultsWriter::flushLines() {
-  for (LineFile* file : {&trajectory_, &covariance_, &health_, &gps_, &events_}) file->flush();
+  if (!is_begun_) removeResults(folder_);
+  is_begun_ = true;
+  LineFile::flushTogether(files());
+  next_flush_bytes_ = kMostWaitingBytes;
 }
 
 std::string ResultsWriter::summaryText(const LandmarkMap& map, const RunTotals& totals) const {

@@ -49,17 +49,21 @@ struct RunTotals {
 /// Writes the folder of results that `hymm_offline --output DIR` and `playback.launch output:=DIR`
 /// leave (trajectory.tum, pose_covariance.csv, landmarks.csv, health.csv, gps.csv,
 /// events.csv, summary.json). Lines go to disk as records come, of all files at once, so that
-/// memory does not grow with the run and the files fit each other however the run ends. Numbers are
+/// memory does not grow with the run and the files fit each other however the run ends. Where they
+/// cannot be written, they wait, and nothing is lost if they can later. Numbers are
 /// written with the fewest digits that give the same double back, whatever the locale. Times that
 /// the machine took stand only in latency_ms of health.csv and in wall_s, cpu_s, real_time_factor,
 /// peak_rss_mb, scan_latency_ms, worker_ms and subsystem_cpu_s of summary.json: everything else is
 /// a function of the input.
 class ResultsWriter {
  public:
-  /// Makes the folder and opens its files; an earlier summary.json is removed, so that the folder
-  /// of a run that did not end has none. Throws OutputError if the folder cannot be written.
+  /// Makes the folder. What an earlier run left there stays until the first scan, or the end: a run
+  /// without a scan has nothing to put in its place. Then it is removed (see removeResults()).
+  /// Throws OutputError if the folder cannot be written.
   explicit ResultsWriter(const std::string& folder);
 
+  /// Throws OutputError if the lines up to here could not be written; they are kept all the same,
+  /// this scan's among them, and are written when that is possible again.
   void addScan(const ScanRecord& record);
 
   /// A fix, in order of time with the scans, whether or not the filter used it.
@@ -81,12 +85,15 @@ class ResultsWriter {
 
  private:
   void addEvent(double time_s, const char* event, const std::string& reason);
+  std::vector<LineFile*> files();
   void flushIfMuchWaits();
   void flushLines();
   std::string summaryText(const LandmarkMap& map, const RunTotals& totals) const;
 
   std::filesystem::path folder_;
   LineFile trajectory_, covariance_, health_, gps_, events_;
+  bool is_begun_ = false;             ///< the folder holds nothing of an earlier run
+  std::size_t next_flush_bytes_ = 0;  ///< that wait
   std::string mode_;
 
   std::size_t scans_ = 0;

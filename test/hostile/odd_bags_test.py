@@ -35,7 +35,7 @@ class OddBags(unittest.TestCase):
     def tearDownClass(cls):
         cls.folder.cleanup()
 
-    def run_on(self, messages):
+    def run_on(self, messages, *options):
         """Exit code, what was said, and the summary or None."""
         path = self.path / "odd.bag"
         with rosbag.Bag(str(path), "w") as bag:
@@ -43,12 +43,15 @@ class OddBags(unittest.TestCase):
                 bag.write(topic, message, time)
         output = self.path / "out"
         (output / "summary.json").unlink(missing_ok=True)
-        done = subprocess.run([TOOLS / "hymm_offline", "--bag", path, "--config",
-                               ROOT / "config/datasets/car_park.yaml", "--output", output],
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=100)
+        done = self.run_offline(path, output, *options)
         summary = output / "summary.json"
         self.assertIn(done.returncode, (0, 1), done.stdout)
         return done.returncode, done.stdout, json.loads(summary.read_text()) if summary.exists() else None
+
+    def run_offline(self, bag, output, *options):
+        return subprocess.run([TOOLS / "hymm_offline", "--bag", bag, "--config",
+                               ROOT / "config/datasets/car_park.yaml", "--output", output, *options],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=100)
 
     def stamped(self, change):
         """The drive with `change(index, topic, stamp in s)` as stamps of headers; None leaves one out."""
@@ -63,8 +66,8 @@ class OddBags(unittest.TestCase):
             messages.append((topic, message, time))
         return messages
 
-    def expect_results(self, messages):
-        code, said, summary = self.run_on(messages)
+    def expect_results(self, messages, *options):
+        code, said, summary = self.run_on(messages, *options)
         self.assertEqual(code, 0, said)
         self.assertIsNotNone(summary)
         with open(self.path / "out/trajectory.tum") as file:
@@ -72,8 +75,8 @@ class OddBags(unittest.TestCase):
                 self.assertTrue(all(math.isfinite(float(word)) for word in line.split()), line)
         return summary, said
 
-    def expect_refusal(self, messages, *words):
-        code, said, summary = self.run_on(messages)
+    def expect_refusal(self, messages, *words, options=()):
+        code, said, summary = self.run_on(messages, *options)
         self.assertEqual(code, 1, said)
         self.assertIsNone(summary)
         for word in words:
@@ -178,6 +181,61 @@ class OddBags(unittest.TestCase):
         summary, _ = self.expect_results([(topic, spoiled(m) if topic.strip("/") == "scan" else m, time)
                                           for topic, m, time in self.drive])
         self.assertEqual(summary["landmarks"], 0)
+
+    def contents(self, folder):
+        """Of all files in it, by name."""
+        return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+    def test_bag_that_is_not_there_costs_no_results(self):
+        output = self.path / "earlier"
+        self.assertEqual(self.run_offline(self.path / "drive.bag", output).returncode, 0)
+        before = self.contents(output)
+        done = self.run_offline(self.path / "nosuch.bag", output)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("nosuch.bag: there is no such file", done.stdout)
+        self.assertEqual(self.contents(output), before)
+
+    def test_bag_without_a_usable_scan_costs_no_results(self):
+        output = self.path / "out"
+        self.expect_results(self.drive)
+        before = self.contents(output)
+        del before["summary.json"]  # run_on() removes it
+        self.expect_refusal(self.stamped(lambda index, topic, s: 0.0), "stamp")
+        self.assertEqual(self.contents(output), before)
+
+    def test_folder_holds_the_last_run_only(self):
+        output, alone = self.path / "both", self.path / "alone"
+        all_files = self.path / "all.yaml"
+        all_files.write_text("door_planner: {goal: 5 0, check_queries: 3}\n")
+        everything = self.run_offline(self.path / "drive.bag", output, "--config", all_files, "--observations")
+        self.assertEqual(everything.returncode, 0, everything.stdout)
+        for name in ("map.pgm", "ltrs.csv", "plan.csv", "plan_queries.csv", "observations.csv"):
+            self.assertTrue((output / name).exists(), name)
+        (output / "notes.txt").write_text("of the user")
+        for folder in (output, alone):
+            done = self.run_offline(self.path / "drive.bag", folder, "--only", "cekf_slam")
+            self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual({path.name for path in output.iterdir()},
+                         {path.name for path in alone.iterdir()} | {"notes.txt"})
+
+    def test_map_folder_that_cannot_be_used_is_told_before_the_run(self):
+        output, used = self.path / "saving", self.path / "used"
+        used.mkdir()
+        (used / "notes.txt").write_text("of the user")
+        for folder, words in ((output, "the same folder"), (used, "notes.txt"),
+                              (self.path / "no" / "such" / "folder", "cannot be made")):
+            done = self.run_offline(self.path / "drive.bag", output, "--save", folder)
+            self.assertEqual(done.returncode, 1, done.stdout)
+            self.assertIn(words, done.stdout)
+            self.assertEqual(list(output.iterdir()), [])
+
+    def test_map_is_saved_below_the_results(self):
+        output = self.path / "with_map"
+        for _ in range(2):
+            done = self.run_offline(self.path / "drive.bag", output, "--save", output / "map")
+            self.assertEqual(done.returncode, 0, done.stdout)
+            self.assertTrue((output / "map" / "map.txt").exists())
+            self.assertTrue((output / "summary.json").exists())
 
 
 if __name__ == "__main__":

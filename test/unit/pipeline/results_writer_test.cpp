@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 
 #include "common/error.h"
 #include "evaluation/run_results.h"
+#include "support/full_disk.h"
 #include "support/temporary_folder.h"
 
 namespace hymm::core {
@@ -157,11 +159,55 @@ TEST(ResultsWriter, ARunWithoutScansHasAnEmptySummary) {
   EXPECT_TRUE(summary["nis_mean"].IsNull());
 }
 
-TEST(ResultsWriter, RemovesTheSummaryOfAnEarlierRun) {
+TEST(ResultsWriter, ResultsOfAnEarlierRunStayUntilTheFirstScan) {
   const test::TemporaryFolder folder;
-  folder.write("summary.json", "{}");
-  const ResultsWriter writer(folder / "");
+  for (const char* name : {"summary.json", "trajectory.tum", "map.pgm"}) folder.write(name, "old");
+  ResultsWriter writer(folder / "");
+  writer.addGps({9.0, {3.0, 4.0}});
+  for (const char* name : {"summary.json", "trajectory.tum", "map.pgm"}) {
+    EXPECT_EQ(folder.read(name), "old") << name;
+  }
+  writer.addScan(scanAt(10.0, 1.0));
   EXPECT_FALSE(std::filesystem::exists(folder / "summary.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "map.pgm"));
+  EXPECT_THAT(folder.read("trajectory.tum"), StartsWith("10 1 2"));
+}
+
+TEST(ResultsWriter, WithoutAScanOnlyTheEndReplacesAnEarlierRun) {
+  const test::TemporaryFolder folder;
+  folder.write("map.pgm", "old");
+  { const ResultsWriter writer(folder / ""); }
+  EXPECT_EQ(folder.read("map.pgm"), "old");
+  ResultsWriter(folder / "").finish({}, totals());
+  EXPECT_FALSE(std::filesystem::exists(folder / "map.pgm"));
+}
+
+TEST(ResultsWriter, AFullDiskCostsNothingOnceThereIsRoomAgain) {
+  constexpr int kScans = 60000;
+  const test::TemporaryFolder full, never_full;
+  ResultsWriter writer(full / ""), other(never_full / "");
+  std::size_t failures = 0;
+  for (int i = 0; i < kScans; ++i) {
+    other.addScan(scanAt(i, i));
+    std::optional<test::FullDisk> disk;
+    if (i >= 10000 && i < 50000) disk.emplace(3072);
+    try {
+      writer.addScan(scanAt(i, i));
+    } catch (const OutputError&) {
+      ++failures;
+    }
+    if (i == 30000) {
+      EXPECT_THROW(writer.save(oneLandmark(), totals()), OutputError);
+    }
+  }
+  EXPECT_GE(failures, 1u);
+  EXPECT_LE(failures, 10u) << "all that waits is handed over with every scan";
+  writer.finish(oneLandmark(), totals());
+  other.finish(oneLandmark(), totals());
+  for (const char* name : {"trajectory.tum", "pose_covariance.csv", "health.csv", "gps.csv",
+                           "events.csv", "landmarks.csv", "summary.json"}) {
+    EXPECT_TRUE(full.read(name) == never_full.read(name)) << name;
+  }
 }
 
 TEST(ResultsWriter, LinesReachTheDiskWhileTheRunGoesOn) {
