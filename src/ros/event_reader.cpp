@@ -64,6 +64,12 @@ EventReader::Answer EventReader::readPlaced(const Message& message, double stead
                       "' are refused: " + mounting.problem + ".");
     return {};
   }
+  if (!mounting.assumed.empty()) {
+    causes_.count("scans or detections of frame '" + message.header.frame_id +
+                      "' placed as the vehicle's description says",
+                  "Scans or detections of frame '" + message.header.frame_id +
+                      "': " + mounting.assumed + ".");
+  }
   auto measurement = fromMessage(message);
   if (mounting.upside_down) turnUpright(measurement);
   if constexpr (std::is_same_v<Message, sensor_msgs::LaserScan>) checkScan(message, measurement);

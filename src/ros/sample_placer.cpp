@@ -13,9 +13,9 @@ constexpr std::size_t kMostWaiting = 10000;
 
 }  // namespace
 
-SamplePlacer::SamplePlacer(const tf2::BufferCore& tf, std::string map_frame, double wait_s,
+SamplePlacer::SamplePlacer(const tf2::BufferCore& tf, const std::string& map_frame, double wait_s,
                            CauseLog& causes)
-    : tf_(tf), map_frame_(std::move(map_frame)), wait_s_(wait_s), causes_(causes) {}
+    : tf_(tf), map_frame_(withoutSlash(map_frame)), wait_s_(wait_s), causes_(causes) {}
 
 void SamplePlacer::add(const PropertySample::ConstPtr& sample, double steady_now_s) {
   if (waiting_.size() >= kMostWaiting) {
@@ -30,11 +30,12 @@ std::vector<core::PropertySample> SamplePlacer::takePlaced(double steady_now_s) 
   std::deque<Waiting> still_waiting;
   for (const Waiting& waiting : waiting_) {
     const std_msgs::Header& header = waiting.sample->header;
-    if (header.frame_id == map_frame_) {
+    const std::string frame = withoutSlash(header.frame_id);
+    if (frame == map_frame_) {
       placed.push_back(fromMessage(*waiting.sample, core::Pose2()));
       continue;
     }
-    const TransformAnswer found = findTransform(tf_, map_frame_, header.frame_id, header.stamp);
+    const TransformAnswer found = findTransform(tf_, map_frame_, frame, header.stamp);
     if (found.transform) {
       placed.push_back(fromMessage(*waiting.sample, fromMessage(found.transform->transform)));
     } else if (steady_now_s - waiting.since_s < wait_s_) {

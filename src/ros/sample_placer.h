@@ -15,7 +15,8 @@ namespace hymm {
 /// Brings property samples into the map frame by tf, for which they wait a bounded time.
 class SamplePlacer {
  public:
-  SamplePlacer(const tf2::BufferCore& tf, std::string map_frame, double wait_s, CauseLog& causes);
+  SamplePlacer(const tf2::BufferCore& tf, const std::string& map_frame, double wait_s,
+               CauseLog& causes);
 
   void add(const PropertySample::ConstPtr& sample, double steady_now_s);
 

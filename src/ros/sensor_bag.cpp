@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
@@ -14,11 +15,13 @@
 
 #include "common/error.h"
 #include "ros/bag_errors.h"
+#include "ros/transform_lookup.h"
+#include "ros/transform_reader.h"
 
 namespace hymm {
 namespace {
 
-constexpr double kTransformsFromTf_s = 10.0;
+constexpr double kTransformsFromTf_s = 10.0;  // from the first one
 constexpr std::size_t kMessagesPerProgress = 512;
 
 // The largest message that is believed: 30 million ranges with intensities. Damage makes more.
@@ -134,10 +137,6 @@ const std::map<std::string, Kind>& kinds() {
   return kinds;
 }
 
-std::string withoutSlash(const std::string& topic) {
-  return !topic.empty() && topic.front() == '/' ? topic.substr(1) : topic;
-}
-
 }  // namespace
 
 std::vector<std::string> SensorBag::inputs() {
@@ -152,6 +151,7 @@ SensorBag::SensorBag(const std::string& path, const BagSelection& selection) : p
     listTopics();
   });
   choose(selection.observation_input, selection, true);
+  for (const auto& [topic, decoder] : chosen_) observations_.push_back(topic);
   choose(selection.motion_input, selection, true);
   choose("gps/fix", selection, false);
   choose("property_samples", selection, false);
@@ -174,9 +174,16 @@ void SensorBag::choose(const std::string& name, const BagSelection& selection, b
   const auto remapping = selection.remappings.find(name);
   const std::string wanted = remapping == selection.remappings.end() ? name : remapping->second;
   const Kind& kind = kinds().at(name);
+  const bool is_named = remapping != selection.remappings.end();
+  const bool must_fit = required || is_named || (name == "gps/fix" && selection.needs_gps);
   bool is_there = false;
   for (const auto& [topic, content] : topics_) {
     if (withoutSlash(topic) != withoutSlash(wanted) || content.messages == 0) continue;
+    if (content.type != kind.type && !must_fit) {
+      incidents_["messages of " + topic + " left out: it holds " + content.type + ", not " +
+                 kind.type] = content.messages;
+      continue;
+    }
     if (content.type != kind.type) {
       throw core::InputError(path_ + ": topic " + topic + " holds " + content.type + ", but " +
                              kind.type + " is needed. " + found());
@@ -207,29 +214,59 @@ void SensorBag::skippingUndecodable(const rosbag::MessageInstance& instance, con
   } catch (const rosbag::BagException&) {
     throw;
   } catch (const std::exception&) {
-    ++undecodable_[instance.getTopic()];
+    ++incidents_["messages of " + instance.getTopic() + " that could not be decoded"];
   }
 }
 
-void SensorBag::readTransforms(tf2::BufferCore& tf) {
+void SensorBag::addTransforms(const rosbag::MessageInstance& instance, bool are_fixed,
+                              tf2::BufferCore& tf) {
+  boost::shared_ptr<const tf2_msgs::TFMessage> message;
+  skippingUndecodable(instance, [&] { message = decodeAs<tf2_msgs::TFMessage>(instance); });
+  if (!message) return;
+  for (const geometry_msgs::TransformStamped& transform : message->transforms) {
+    const std::string problem = problemOf(transform);
+    if (problem.empty()) {
+      tf.setTransform(transform, path_, are_fixed);
+    } else {
+      ++incidents_["transforms refused: " + problem];
+    }
+  }
+}
+
+/// The frame of the first message that the filter gets to see; empty if it cannot be told.
+std::string SensorBag::firstSensorFrame() {
+  rosbag::View view(bag_, rosbag::TopicQuery(observations_));
+  for (const rosbag::MessageInstance& instance : view) {
+    try {
+      const BagMessage message = chosen_.at(instance.getTopic())(instance);
+      return withoutSlash(headerOf(std::get<SensorMessage>(message)).frame_id);
+    } catch (const rosbag::BagException&) {
+      throw;
+    } catch (const std::exception&) {  // read() counts it
+    }
+  }
+  return {};
+}
+
+void SensorBag::readTransforms(tf2::BufferCore& tf, const std::string& base_frame) {
+  const auto topics = [](const char* name) {
+    return rosbag::TopicQuery(std::vector<std::string>{name, std::string("/") + name});
+  };
   withBagErrors(path_, [&] {
-    const auto read = [&](const std::string& name, rosbag::View& view) {
-      for (const rosbag::MessageInstance& instance : view) {
-        boost::shared_ptr<const tf2_msgs::TFMessage> message;
-        skippingUndecodable(instance, [&] { message = decodeAs<tf2_msgs::TFMessage>(instance); });
-        if (!message) continue;
-        for (const auto& transform : message->transforms) {
-          tf.setTransform(transform, path_, name == "tf_static");
-        }
-      }
+    rosbag::View fixed(bag_, topics("tf_static"));
+    for (const rosbag::MessageInstance& instance : fixed) addTransforms(instance, true, tf);
+    const std::string sensor = firstSensorFrame();
+    const auto isPlaced = [&] {
+      return sensor.empty() || tf.canTransform(withoutSlash(base_frame), sensor, ros::Time(0));
     };
-    rosbag::View fixed(bag_,
-                       rosbag::TopicQuery(std::vector<std::string>{"/tf_static", "tf_static"}));
-    read("tf_static", fixed);
-    const ros::Time begin = rosbag::View(bag_).getBeginTime();
-    rosbag::View moving(bag_, rosbag::TopicQuery(std::vector<std::string>{"/tf", "tf"}), begin,
-                        begin + ros::Duration(kTransformsFromTf_s));
-    read("tf", moving);
+    rosbag::View moving(bag_, topics("tf"));
+    std::optional<double> begin_s;
+    for (const rosbag::MessageInstance& instance : moving) {
+      const double time_s = instance.getTime().toSec();
+      if (!begin_s) begin_s = time_s;
+      if (time_s - *begin_s > kTransformsFromTf_s && isPlaced()) break;
+      addTransforms(instance, false, tf);
+    }
   });
 }
 

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 #include <vector>
-
-#include <ros/console.h>
 
 #include "ros/pose_conversions.h"
 #include "ros/transform_lookup.h"
@@ -16,11 +15,6 @@ namespace {
 /// Cosine of the angle between the sensor's z axis and the vehicle's.
 double uprightness(const geometry_msgs::Quaternion& q) {
   return 1.0 - 2.0 * (q.x * q.x + q.y * q.y);
-}
-
-/// tf2 knows no leading slash; messages of old recordings have one.
-std::string withoutSlash(const std::string& frame) {
-  return frame.empty() || frame.front() != '/' ? frame : frame.substr(1);
 }
 
 /// Why `frame` cannot be found, where tf has others; empty where tf has none or has it.
@@ -110,9 +104,10 @@ SensorMountings::Answer SensorMountings::ask(const std::string& sensor_frame, bo
   } else if (!fallback_) {
     answer.problem += "; publish that static transform, or describe the laser in the vehicle";
   } else {
-    ROS_WARN_STREAM(answer.problem << "; the vehicle's description is used: x " << fallback_->x_m
-                                   << " m, y " << fallback_->y_m << " m, yaw " << fallback_->yaw_rad
-                                   << " rad.");
+    std::ostringstream assumed;
+    assumed << answer.problem << "; the vehicle's description is used: x " << fallback_->x_m
+            << " m, y " << fallback_->y_m << " m, yaw " << fallback_->yaw_rad << " rad";
+    answer.assumed = assumed.str();
     answer.problem.clear();
     answer.T_base_sensor = fallback_;
   }

@@ -24,11 +24,12 @@ class SensorMountings {
     bool upside_down = false;
     bool waiting = false;  ///< not known yet; ask again
     std::string problem;   ///< where it is neither: why, and what to do
+    std::string assumed;   ///< where T_base_sensor is the vehicle's description: why, and which
     Eigen::Isometry3d T_base_frame = Eigen::Isometry3d::Identity();  ///< of findInSpace()
   };
 
-  /// `fallback`: from the vehicle's description, if it tells; used, with a warning in the log, when
-  /// tf has not answered within `wait_s` of the first question.
+  /// `fallback`: from the vehicle's description, if it tells; used, and told in the answer, when tf
+  /// has not answered within `wait_s` of the first question.
   SensorMountings(const tf2::BufferCore& tf, std::string base_frame,
                   std::optional<core::Pose2> fallback, double wait_s);
 

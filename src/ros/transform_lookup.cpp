@@ -4,6 +4,10 @@
 
 namespace hymm {
 
+std::string withoutSlash(const std::string& name) {
+  return name.empty() || name.front() != '/' ? name : name.substr(1);
+}
+
 TransformAnswer findTransform(const tf2::BufferCore& tf, const std::string& target,
                               const std::string& source, const ros::Time& stamp) {
   try {

@@ -8,6 +8,10 @@
 
 namespace hymm {
 
+/// A name as tf2 has it, without the leading slash that messages of old recordings have. Topics
+/// have it or not in the same way.
+std::string withoutSlash(const std::string& name);
+
 /// What tf says of a transform.
 struct TransformAnswer {
   std::optional<geometry_msgs::TransformStamped> transform;

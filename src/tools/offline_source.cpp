@@ -11,6 +11,7 @@
 #include "ros/event_reader.h"
 #include "ros/grid_conversions.h"
 #include "ros/sensor_bag.h"
+#include "ros/transform_lookup.h"
 
 namespace hymm {
 namespace {
@@ -37,13 +38,13 @@ EventReader eventReader(const tf2::BufferCore& tf, const core::SuiteConfig& conf
 class SampleReader {
  public:
   SampleReader(const tf2::BufferCore& tf, const core::VehicleConfig& vehicle, CauseLog& causes)
-      : map_frame_(vehicle.map_frame),
-        odom_frame_(vehicle.odom_frame),
+      : map_frame_(withoutSlash(vehicle.map_frame)),
+        odom_frame_(withoutSlash(vehicle.odom_frame)),
         mountings_(tf, vehicle.base_frame, std::nullopt, 0.0),
         causes_(causes) {}
 
   std::optional<core::RecordedSample> read(const PropertySample& message) {
-    const std::string& frame = message.header.frame_id;
+    const std::string frame = withoutSlash(message.header.frame_id);
     core::RecordedSample recorded{fromMessage(message, core::Pose2()), std::nullopt};
     if (frame == map_frame_) return recorded;
     std::string problem =
@@ -93,10 +94,10 @@ std::vector<std::string> runBag(const std::string& path,
                                 const std::map<std::string, std::string>& remappings,
                                 const core::SuiteConfig& config, core::OfflineRun& run,
                                 const Progress& progress) {
-  SensorBag bag(path,
-                {config.cekf_slam.motion_input, config.cekf_slam.observation_input, remappings});
+  SensorBag bag(path, {config.cekf_slam.motion_input, config.cekf_slam.observation_input,
+                       remappings, config.cekf_slam.gps.enabled});
   tf2::BufferCore tf;
-  bag.readTransforms(tf);
+  bag.readTransforms(tf, config.vehicle.base_frame);
   CauseLog causes;
   EventReader reader = eventReader(tf, config, causes);
   SampleReader samples(tf, config.vehicle, causes);
@@ -119,9 +120,7 @@ std::vector<std::string> runBag(const std::string& path,
   run.finish();
 
   std::vector<std::string> notes;
-  for (const auto& [topic, count] : bag.undecodable()) {
-    notes.push_back(counted("messages of " + topic + " that could not be decoded", count));
-  }
+  for (const auto& [what, count] : bag.incidents()) notes.push_back(counted(what, count));
   for (const auto& [cause, count] : causes.counts()) notes.push_back(counted(cause, count));
   addIncidents(run, notes);
   return notes;

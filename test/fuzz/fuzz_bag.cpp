@@ -66,7 +66,7 @@ bool isRead(const std::uint8_t* data, std::size_t size) {
   try {
     SensorBag bag(path, BagSelection());
     tf2::BufferCore tf;
-    bag.readTransforms(tf);
+    bag.readTransforms(tf, "base_link");
     bag.read([](const BagMessage&) {}, [](double) {});
     return true;
   } catch (const core::InputError&) {

@@ -13,6 +13,7 @@ from pathlib import Path
 import rosbag
 import rospy
 from geometry_msgs.msg import TransformStamped
+from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -181,6 +182,69 @@ class OddBags(unittest.TestCase):
         summary, _ = self.expect_results([(topic, spoiled(m) if topic.strip("/") == "scan" else m, time)
                                           for topic, m, time in self.drive])
         self.assertEqual(summary["landmarks"], 0)
+
+    def test_gps_of_another_type_is_needed_only_where_it_is_asked_for(self):
+        odd = [(topic, String("no fix"), time) if topic.strip("/") == "gps/fix" else (topic, message, time)
+               for topic, message, time in self.drive]
+        count = sum(topic.strip("/") == "gps/fix" for topic, _, _ in self.drive)
+        self.assertGreater(count, 0)
+        summary, _ = self.expect_results(odd)
+        self.assertIn("messages of /gps/fix left out: it holds std_msgs/String, not "
+                      f"sensor_msgs/NavSatFix: {count}", summary["notes"])
+        self.assertEqual(summary["gps_fixes"], 0)
+        self.expect_refusal(odd, "std_msgs/String", options=["--topic", "gps/fix:=/gps/fix"])
+        fused = self.path / "fused.yaml"
+        fused.write_text("cekf_slam: {gps: {enabled: true}}\n")
+        self.expect_refusal(odd, "std_msgs/String", options=["--config", fused])
+
+    def transform(self, time, parent, child, x=0.0):
+        transform = TransformStamped()
+        transform.header.frame_id, transform.child_frame_id = parent, child
+        transform.header.stamp = time
+        transform.transform.translation.x = x
+        transform.transform.rotation.w = 1.0
+        return transform
+
+    def test_transforms_that_cannot_be_used_are_left_out(self):
+        plain, _ = self.expect_results(self.drive)
+        time = self.drive[len(self.drive) // 10][2]
+        bad = [self.transform(rospy.Time(4294967295), "base_link", "roof"),
+               self.transform(time, "base_link", "nose", math.nan), self.transform(time, "mast", "mast")]
+        index = len(self.drive) // 10
+        summary, _ = self.expect_results(self.drive[:index] + [("/tf", TFMessage(bad), time)] + self.drive[index:])
+        for problem in ("its stamp is at the end of time", "it is not finite", "its two frames are the same"):
+            self.assertIn(f"transforms refused: {problem}: 1", summary["notes"])
+        self.assertEqual(summary["landmarks"], plain["landmarks"])
+
+    def with_laser_told_late(self, keep_tf):
+        """The laser's place comes 12 s late, 1 m from where the vehicle's description has it."""
+        begin = self.drive[0][2]
+        laser = self.frame_of_scans()
+        messages = [entry for entry in self.drive
+                    if "tf" not in entry[0] or keep_tf and entry[0].strip("/") == "tf"]
+        for after_s in range(12, DURATION_S):
+            time = begin + rospy.Duration(after_s)
+            messages.append(("/tf", TFMessage([self.transform(time, "base_link", laser, self.place_of_laser() + 1.0)]),
+                             time))
+        return sorted(messages, key=lambda entry: entry[2].to_sec())
+
+    def frame_of_scans(self):
+        return next(m.header.frame_id for topic, m, _ in self.drive if topic.strip("/") == "scan")
+
+    def place_of_laser(self):
+        transforms = [transform for topic, message, _ in self.drive if "tf_static" in topic
+                      for transform in message.transforms]
+        return next(t.transform.translation.x for t in transforms if t.child_frame_id == self.frame_of_scans())
+
+    def test_laser_whose_place_is_told_late(self):
+        described, _ = self.expect_results([entry for entry in self.drive if "tf" not in entry[0]])
+        words = f"scans or detections of frame '{self.frame_of_scans()}' placed as the vehicle's description says: "
+        self.assertIn(words + str(described["scans"]), described["notes"])
+        there = (self.path / "out" / "trajectory.tum").read_bytes()
+        for keep_tf in (False, True):
+            summary, _ = self.expect_results(self.with_laser_told_late(keep_tf))
+            self.assertNotIn("description", " ".join(summary["notes"]))
+            self.assertNotEqual((self.path / "out" / "trajectory.tum").read_bytes(), there)
 
     def contents(self, folder):
         """Of all files in it, by name."""

@@ -48,6 +48,7 @@ TEST_F(SensorMountingsTest, TfTells) {
   ASSERT_TRUE(answer.T_base_sensor);
   EXPECT_EQ(answer.T_base_sensor->x_m, 3.0);
   EXPECT_NEAR(answer.T_base_sensor->yaw_rad, 0.1, 1e-12);
+  EXPECT_EQ(answer.assumed, "");
 }
 
 TEST_F(SensorMountingsTest, ALeadingSlashOfOldRecordingsIsNoOtherFrame) {
@@ -71,6 +72,7 @@ TEST_F(SensorMountingsTest, WaitForTfThenTakeTheVehiclesDescription) {
   const auto answer = places.find("laser", 15.1);
   ASSERT_TRUE(answer.T_base_sensor);
   EXPECT_EQ(answer.T_base_sensor->y_m, 2.0);
+  EXPECT_THAT(answer.assumed, AllOf(HasSubstr("'laser'"), HasSubstr("x 1 m, y 2 m")));
 }
 
 TEST_F(SensorMountingsTest, WithoutAnyKnowledgeNameTheFrame) {
