@@ -12,9 +12,6 @@
 namespace hymm::core {
 namespace {
 
-// Beyond these deviations a landmark adds nothing that clutter does not.
-constexpr double kReach = 4.0;
-
 // Deviations of observations are rounded up to powers of this.
 constexpr double kClassRatio = 1.3;
 
@@ -22,11 +19,6 @@ constexpr double kClassRatio = 1.3;
 // adds 2 % to the variance.
 constexpr double kCellShare = 0.5;
 constexpr double kMaxCells = 2.0e6;
-
-double greatestVariance(const Eigen::Matrix2d& P) {
-  const double half = 0.5 * P.trace();
-  return half + std::sqrt(std::max(0.0, half * half - P.determinant()));
-}
 
 double leastVariance(const Eigen::Matrix2d& P) { return P.trace() - greatestVariance(P); }
 
@@ -36,7 +28,7 @@ LookupGrid gridAround(const std::vector<LocalLandmark>& landmarks, double least_
   double finest_m2 = std::numeric_limits<double>::infinity();
   for (const LocalLandmark& landmark : landmarks) {
     const double reach_m =
-        kReach * std::sqrt(greatestVariance(landmark.covariance) + greatest_m * greatest_m);
+        kDensityReach * std::sqrt(greatestVariance(landmark.covariance) + greatest_m * greatest_m);
     box.extend(landmark.position - Eigen::Vector2d::Constant(reach_m));
     box.extend(landmark.position + Eigen::Vector2d::Constant(reach_m));
     finest_m2 = std::min(finest_m2, leastVariance(landmark.covariance));
@@ -52,12 +44,17 @@ LookupGrid gridAround(const std::vector<LocalLandmark>& landmarks, double least_
           static_cast<std::int32_t>(cells.y())};
 }
 
+}  // namespace
+
+double greatestVariance(const Eigen::Matrix2d& P) {
+  const double half = 0.5 * P.trace();
+  return half + std::sqrt(std::max(0.0, half * half - P.determinant()));
+}
+
 double clutterPerM2(std::size_t points, double view_m2, const DensityConfig& config) {
   return config.clutter_share / (1.0 - config.clutter_share) * static_cast<double>(points) /
          view_m2;
 }
-
-}  // namespace
 
 void DensityConfig::describe(ConfigSchema& schema) {
   schema.number("clutter_share", clutter_share, Range::between(0.01, 0.95),
@@ -122,7 +119,7 @@ void DensityMap::addLandmark(const LocalLandmark& landmark, double variance_m2, 
   const Eigen::Matrix2d S = landmark.covariance + variance_m2 * Eigen::Matrix2d::Identity();
   const Eigen::Matrix2d S_inverse = S.inverse();
   const double peak = per_clutter / (2.0 * kPi * std::sqrt(S.determinant()));
-  const double reach_m = kReach * std::sqrt(greatestVariance(S));
+  const double reach_m = kDensityReach * std::sqrt(greatestVariance(S));
   const double cell = cell_m();
   const Eigen::Vector2d origin(static_cast<double>(grid_.origin_x_m),
                                static_cast<double>(grid_.origin_y_m));
@@ -137,7 +134,7 @@ void DensityMap::addLandmark(const LocalLandmark& landmark, double variance_m2, 
     for (int u = least(centre.x()); u <= greatest(centre.x(), grid_.width); ++u) {
       const Eigen::Vector2d offset = cell * (Eigen::Vector2d(u + 0.5, v + 0.5) - centre);
       const double distance2 = offset.dot(S_inverse * offset);
-      if (distance2 > kReach * kReach) continue;
+      if (distance2 > kDensityReach * kDensityReach) continue;
       const std::size_t cell_index =
           static_cast<std::size_t>(v) * static_cast<std::size_t>(grid_.width) +
           static_cast<std::size_t>(u);
@@ -170,7 +167,7 @@ double logLikelihoodAt(const Pose2& pose, const std::vector<LocalLandmark>& land
       const Eigen::Matrix2d S = landmark.covariance + variance_m2 * Eigen::Matrix2d::Identity();
       const Eigen::Vector2d offset = place - landmark.position;
       const double distance2 = offset.dot(S.inverse() * offset);
-      if (distance2 > kReach * kReach) continue;
+      if (distance2 > kDensityReach * kDensityReach) continue;
       density += std::exp(-0.5 * distance2) / (2.0 * kPi * std::sqrt(S.determinant()));
     }
     sum += std::log1p(density / clutter_per_m2);

@@ -30,6 +30,15 @@ struct ObservedPoint {
   double range_m = 0.0;
 };
 
+/// Beyond these deviations a landmark adds nothing that clutter does not.
+inline constexpr double kDensityReach = 4.0;
+
+/// The greater eigenvalue of a covariance.
+double greatestVariance(const Eigen::Matrix2d& P);
+
+/// Density of observations that are of nothing in the map.
+double clutterPerM2(std::size_t points, double view_m2, const DensityConfig& config);
+
 /// The next power of 1.3 (metres): deviations are rounded up so that few tables serve all.
 double roundedUpDeviation(double deviation_m);
 

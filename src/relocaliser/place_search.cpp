@@ -120,6 +120,7 @@ void PlaceSearch::beginAt(double now_s, double earliest_s) {
     if (is_in_force) next_ = first_kept_ + i;
   }
   turn_ = best_ = 0;
+  unrivalled_.reset();
   scans_ = 0;
 }
 
@@ -236,7 +237,14 @@ void PlaceSearch::judgeMaps() {
   for (const SearchedMap& map : maps_) {
     if (!map.is_left && map.outcome) outcome_->particles += map.outcome->particles;
   }
-  if (outcome_->converged && hasRivalMap()) {
+  if (!outcome_->converged) {
+    unrivalled_.reset();
+  } else if (unrivalled_ == best_) {
+    return;
+  } else if (!hasRivalMap()) {
+    unrivalled_ = best_;
+  } else {
+    unrivalled_.reset();
     outcome_->converged = false;
     outcome_->doubt = "a place in another part of the map explains the last scans nearly as well";
   }
@@ -260,12 +268,23 @@ PosePrior PlaceSearch::spreadOfAll() const {
   return pose;
 }
 
-bool PlaceSearch::hasRivalMap() const {
+/// Whether another map's heaviest mode is one: soon told, and most rivals are.
+bool PlaceSearch::hasRivalMode() const {
   const double of_best = maps_[best_].log_likelihood;
   return std::any_of(maps_.begin(), maps_.end(), [&](const SearchedMap& map) {
     if (map.is_left || !std::isfinite(map.log_likelihood)) return false;
     const Pose2 apart = inverse(outcome_->T_map_base) * map.outcome->T_map_base;
     return isElsewhere(apart) && of_best - map.log_likelihood < config_.convergence.rival_margin;
+  });
+}
+
+/// Whether another place in another map is one. Those that were left are asked, too: their
+/// particles may have missed it.
+bool PlaceSearch::hasRivalMap() const {
+  if (hasRivalMode()) return true;
+  const Relocaliser& best = maps_[best_].engine;
+  return std::any_of(maps_.begin(), maps_.end(), [&](const SearchedMap& map) {
+    return &map.engine != &best && best.hasRivalIn(map.engine.map(), outcome_->T_map_base);
   });
 }
 

@@ -96,6 +96,7 @@ class PlaceSearch {
   bool isSamePlace(const SearchedMap& map) const;
   bool isElsewhere(const Pose2& apart) const;
   bool hasRivalMap() const;
+  bool hasRivalMode() const;
   void restartIfDue();
 
   RelocaliserConfig config_;
@@ -112,8 +113,9 @@ class PlaceSearch {
   std::size_t next_ = 0;        ///< of what was kept, counted from the start: to be done next
   std::size_t turn_ = 0;        ///< the map that does it next
   std::size_t best_ = 0;
-  int scans_ = 0;             ///< that told something since the maps began
-  double told_from_s_ = 0.0;  ///< stamp of the first of them
+  std::optional<std::size_t> unrivalled_;  ///< the map whose outcome no other has a rival of
+  int scans_ = 0;                          ///< that told something since the maps began
+  double told_from_s_ = 0.0;               ///< stamp of the first of them
   double time_s_ = 0.0;
   std::string failure_;
   std::optional<RelocaliserOutcome> outcome_;

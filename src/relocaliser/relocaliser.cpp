@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "relocaliser/rival_search.h"
 #include "relocaliser/visible_landmarks.h"
 
 namespace hymm::core {
@@ -152,7 +153,7 @@ RelocaliserOutcome Relocaliser::judge(const std::vector<ObservedPoint>& points,
     held_.add(*time_s_, outcome.explanation, motion_.T_begin_end().position().norm());
     outcome.doubt = findDoubt(held_, config_.convergence);
     if (outcome.doubt.empty() && !is_unrivalled_) {
-      is_unrivalled_ = !hasRival(outcome.modes.front().mean, points);
+      is_unrivalled_ = !hasRivalIn(map_, outcome.T_map_base);
     }
     if (outcome.doubt.empty() && !is_unrivalled_) {
       ++counts_.rivals;
@@ -167,25 +168,21 @@ RelocaliserOutcome Relocaliser::judge(const std::vector<ObservedPoint>& points,
   return outcome;
 }
 
-bool Relocaliser::hasRival(const Pose2& best, const std::vector<ObservedPoint>& points) {
-  const DensityMap now(map_.landmarks, points, viewArea_m2(), config_.density);
-  ParticleSet rivals = sampleHelicalRegions(regionsOf(points), now,
-                                            static_cast<std::size_t>(config_.rivals), generator_);
-  const DensityMap density(map_.landmarks, recent_.points(), viewArea_m2(), config_.density);
-  std::fill(rivals.log_weight.begin(), rivals.log_weight.end(), 0.0F);
-  rivals.add(best);
-  addLookups(density.grid(), density.lookups().data(), density.lookups().size(), rivals);
-  const float of_best = rivals.log_weight.back();
-  float of_rival = 0.0F;
-  for (std::size_t i = 0; i + 1 < rivals.size(); ++i) {
-    const Pose2 apart = inverse(best) * rivals.pose(i);
-    if (apart.position().norm() < config_.rival_distance_m &&
-        std::abs(apart.yaw_rad) < config_.rival_angle_rad) {
-      continue;
-    }
-    of_rival = std::max(of_rival, rivals.log_weight[i]);
-  }
-  return static_cast<double>(of_best - of_rival) < config_.convergence.rival_margin;
+bool Relocaliser::hasRivalIn(const LocalMap& map, const Pose2& T_map_believed) const {
+  const std::vector<ObservedPoint> points = recent_.points();
+  const double of_believed = logLikelihoodAt(inverse(map_.T_map_local) * T_map_believed);
+  const RivalQuestion question{map.landmarks,
+                               points,
+                               viewArea_m2(),
+                               config_.density,
+                               prior_,
+                               config_.local_map.prior_deviations,
+                               inverse(map.T_map_local) * T_map_believed,
+                               config_.rival_distance_m,
+                               config_.rival_angle_rad,
+                               of_believed - config_.convergence.rival_margin,
+                               static_cast<std::size_t>(config_.rival_bounds)};
+  return findRival(question).kind != RivalAnswer::Kind::kNone;
 }
 
 }  // namespace hymm::core

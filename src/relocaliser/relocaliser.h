@@ -63,6 +63,10 @@ class Relocaliser {
   /// How well the last scans together are explained from a place (local frame), as a log likelihood
   /// that is zero where nothing is explained.
   double logLikelihoodAt(const Pose2& place) const;
+  /// Whether a place in `map` (of another search, or of this one) may explain the last scans nearly
+  /// as well as `believed` (map frame) does in this one, elsewhere than there. Not proven not to
+  /// counts as a rival.
+  bool hasRivalIn(const LocalMap& map, const Pose2& T_map_believed) const;
   const ParticleSet& particles() const { return filter_.particles(); }
   const LocalMap& map() const { return map_; }
   /// Where the vehicle may be by its prior and the motion up to the last scan, local frame;
@@ -74,8 +78,6 @@ class Relocaliser {
   bool isGlobal() const { return !prior_; }
   void start(const std::vector<ObservedPoint>& points);
   RelocaliserOutcome judge(const std::vector<ObservedPoint>& points, const Pose2& T_base_sensor);
-  /// Whether some other place in the prior explains the last scans nearly as well.
-  bool hasRival(const Pose2& best, const std::vector<ObservedPoint>& points);
   HelicalRegions regionsOf(const std::vector<ObservedPoint>& points) const;
   /// Of what can be seen from where the particles are.
   std::vector<LocalLandmark> visibleLandmarks(const std::vector<ObservedPoint>& points) const;

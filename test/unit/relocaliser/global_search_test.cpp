@@ -137,7 +137,6 @@ TEST(PlaceSearch, BelievesNothingWhereAnotherMapExplainsAsMuch) {
   RelocaliserConfig config;
   config.local_map.max_landmarks = kTrees;
   config.global_particles = 10000;
-  config.rivals = 3000;
   PlaceSearch search(config, vehicle());
   search.take(TwistInput{0.0, kSpeed_mps, 0.0, 0.0, std::nullopt});
   std::string problem;
