@@ -265,7 +265,7 @@ class HybridMap::Impl {
       writer_.packBeyond(partition_, vehicle_);
       counts_.forgotten_ltrs += writer_.forgetBeyondLimit(partition_);
     }
-    counts_.dropped_waiting_tiles += writer_.waiting().dropBeyondLimit();
+    counts_.dropped_waiting_tiles += writer_.waiting().dropBeyondLimit(vehicle_);
   }
 
   /// A map takes longer to make than an update, which may have overtaken it: what it says of
@@ -299,7 +299,7 @@ class HybridMap::Impl {
     writer_.follow(partition_, outcome.change, landmarks_, revision_);
     counts_.ltrs_created += outcome.change.created.size();
     counts_.ltrs_retired += outcome.change.retired.size();
-    counts_.dropped_waiting_tiles += writer_.waiting().dropBeyondLimit();
+    counts_.dropped_waiting_tiles += writer_.waiting().dropBeyondLimit(vehicle_);
     return outcome;
   }
 

@@ -95,6 +95,15 @@ std::vector<std::string> HybridMapConfig::problems() const {
          << "or more memory.";
     problems.push_back(text.str());
   }
+  const double scan_mb = WaitingConfig::scanMemory_mb(occupancy.range_m, resolution_m);
+  if (scan_mb > waiting.max_memory_mb) {
+    std::ostringstream text;
+    text << "occupancy.range_m: one scan up to " << occupancy.range_m << " m needs "
+         << std::ceil(scan_mb) << " MB with cells of " << resolution_m
+         << " m where there is no LTR, more than waiting.max_memory_mb = " << waiting.max_memory_mb
+         << "; choose a shorter range, a coarser resolution, or more memory.";
+    problems.push_back(text.str());
+  }
   return problems;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <tuple>
 
 #include "hybrid_map/cell_shares.h"
 
@@ -25,8 +26,18 @@ int floorDivide(int value, int divisor) {
 void WaitingConfig::describe(ConfigSchema& schema) {
   schema.number("anchor_range_m", anchor_range_m, Range::positive(),
                 "from the sensor to landmarks that observations outside of all LTRs are kept by");
-  schema.number("max_memory_mb", max_memory_mb, Range::positive(),
-                "for observations outside of all LTRs; beyond, the oldest are dropped and counted");
+  schema.number(
+      "max_memory_mb", max_memory_mb, Range::positive(),
+      "for observations outside of all LTRs, of which those of one scan must fit; beyond, "
+      "the oldest are dropped and counted");
+}
+
+double WaitingConfig::scanMemory_mb(double range_m, double resolution_m) {
+  constexpr double kBytes = sizeof(float) + sizeof(CellStore::Stamp);  // log-odds, and when seen
+  // All tiles that the disc touches lie within the disc that is wider by a tile's diagonal.
+  const double radius = range_m / (WaitingTile::kCells * resolution_m) + M_SQRT2;
+  const double cells = M_PI * radius * radius * WaitingTile::kCells * WaitingTile::kCells;
+  return cells * kBytes / kBytesPerMb;
 }
 
 WaitingTiles::WaitingTiles(const WaitingConfig& config, const LayerSet& layers, double resolution_m)
@@ -139,6 +150,11 @@ Eigen::Vector2d WaitingTiles::centreOf(const Sheet& sheet) const {
          (sum / static_cast<double>(std::max<std::size_t>(1, sheet.tiles.size())));
 }
 
+Eigen::Vector2d WaitingTiles::centreOf(const Sheet& sheet, const TilePlace& tile) const {
+  const Eigen::Vector2d middle(tile.first + 0.5, tile.second + 0.5);
+  return sheet.T_map_sheet * (kTileCells * resolution_m_ * middle);
+}
+
 void WaitingTiles::follow(const LandmarkPlaces& landmarks) {
   last_tile_ = nullptr;
   forgetEmptySheets();
@@ -183,48 +199,59 @@ void WaitingTiles::packBeyond(const Eigen::Vector2d& place, double radius_m,
   const double tile_m = kTileCells * resolution_m_;
   for (Sheet& sheet : sheets_) {
     for (auto& [at, tile] : sheet.tiles) {
-      const Eigen::Vector2d middle(at.first + 0.5, at.second + 0.5);
-      const Eigen::Vector2d centre = sheet.T_map_sheet * (tile_m * middle);
-      if ((centre - place).norm() > radius_m + tile_m) tile.pack(since_revision);
+      const double distance_m = (centreOf(sheet, at) - place).norm();
+      if (distance_m > radius_m + tile_m) tile.pack(since_revision);
     }
   }
 }
 
-std::size_t WaitingTiles::dropBeyondLimit() {
+std::size_t WaitingTiles::dropBeyondLimit(const Eigen::Vector2d& vehicle) {
   std::size_t tiles = 0;
   for (const Sheet& sheet : sheets_) tiles += sheet.tiles.size();
   int floats = layers_.channelsTogether();
   for (int layer = 0; layer < layers_.count(); ++layer) {
     if (layers_.model(layer).forgets()) ++floats;  // for when a cell was seen
   }
+  const double limit = config_.max_memory_mb * kBytesPerMb;
   const auto most = static_cast<double>(tiles) * kTileCells * kTileCells * sizeof(float) * floats;
-  if (most <= config_.max_memory_mb * kBytesPerMb) return 0;  // even if nothing is packed
-  std::size_t used = memory().bytes(), dropped = 0;
-  while (used > 0 && static_cast<double>(used) > config_.max_memory_mb * kBytesPerMb) {
-    used -= dropOldest();
-    ++dropped;
-  }
-  return dropped;
+  if (most <= limit) return 0;  // even if nothing is packed
+  const auto used = static_cast<double>(memory().bytes());
+  return used > limit ? drop(used - limit, vehicle) : 0;
 }
 
-std::size_t WaitingTiles::dropOldest() {
-  const auto isOlder = [](const auto& a, const auto& b) {
-    return a.second.lastRevision() < b.second.lastRevision();
+/// Frees so many bytes at least. A scan may bring thousands of tiles at once, all of one revision,
+/// so tiles are put in order once and not searched for each.
+std::size_t WaitingTiles::drop(double bytes, const Eigen::Vector2d& vehicle) {
+  struct Droppable {
+    std::uint64_t revision;
+    double distance_m;
+    Sheet* sheet;
+    std::map<TilePlace, CellStore>::iterator tile;
   };
-  std::map<TilePlace, CellStore>* tiles = nullptr;
-  std::map<TilePlace, CellStore>::iterator oldest;
+  const auto goesLater = [](const Droppable& a, const Droppable& b) {
+    return std::make_tuple(a.revision, -a.distance_m, a.sheet->id, a.tile->first) >
+           std::make_tuple(b.revision, -b.distance_m, b.sheet->id, b.tile->first);
+  };
+  std::vector<Droppable> heap;
   for (Sheet& sheet : sheets_) {
-    const auto first = std::min_element(sheet.tiles.begin(), sheet.tiles.end(), isOlder);
-    if (first == sheet.tiles.end() || (tiles != nullptr && !isOlder(*first, *oldest))) continue;
-    tiles = &sheet.tiles;
-    oldest = first;
+    for (auto tile = sheet.tiles.begin(); tile != sheet.tiles.end(); ++tile) {
+      const double distance_m = (centreOf(sheet, tile->first) - vehicle).norm();
+      heap.push_back({tile->second.lastRevision(), distance_m, &sheet, tile});
+    }
   }
-  if (tiles == nullptr) return 0;
-  CellMemory freed;
-  oldest->second.addMemory(freed);
-  tiles->erase(oldest);
+  std::make_heap(heap.begin(), heap.end(), goesLater);
   last_tile_ = nullptr;
-  return freed.bytes();
+  std::size_t dropped = 0;
+  for (; bytes > 0.0 && !heap.empty(); ++dropped) {
+    std::pop_heap(heap.begin(), heap.end(), goesLater);
+    const Droppable first = heap.back();
+    heap.pop_back();
+    CellMemory freed;
+    first.tile->second.addMemory(freed);
+    bytes -= static_cast<double>(freed.bytes());
+    first.sheet->tiles.erase(first.tile);
+  }
+  return dropped;
 }
 
 double WaitingTiles::evidence(int layer) const {

@@ -21,6 +21,9 @@ struct WaitingConfig {
   double max_memory_mb = 64.0;
 
   void describe(ConfigSchema& schema);
+
+  /// Memory [MB] that what one scan sees up to `range_m` takes at most, where there is no LTR.
+  static double scanMemory_mb(double range_m, double resolution_m);
 };
 
 /// A square of cells that wait for an LTR, for reading.
@@ -84,9 +87,9 @@ class WaitingTiles {
   /// Offers the evidence in all tiles that touch one of the boxes (in map).
   void settle(const std::vector<Box>& boxes, Taker& taker);
 
-  /// Drops the tiles that were not written for longest, until the rest fits the memory. Returns how
-  /// many.
-  std::size_t dropBeyondLimit();
+  /// Drops the tiles that were not written for longest, and among equals those farthest from
+  /// `vehicle` (in map), until the rest fits the memory. Returns how many.
+  std::size_t dropBeyondLimit(const Eigen::Vector2d& vehicle);
 
   /// Compresses tiles beyond `radius_m` of a place that were not written since a revision.
   void packBeyond(const Eigen::Vector2d& place, double radius_m, std::uint64_t since_revision);
@@ -137,8 +140,9 @@ class WaitingTiles {
   std::size_t nearestSuiting(const Eigen::Vector2d& place, const LandmarkPlaces& landmarks) const;
   void anchor(Sheet& sheet, const Eigen::Vector2d& place, const LandmarkPlaces& landmarks) const;
   Eigen::Vector2d centreOf(const Sheet& sheet) const;
+  Eigen::Vector2d centreOf(const Sheet& sheet, const TilePlace& tile) const;
   void forgetEmptySheets();
-  std::size_t dropOldest();
+  std::size_t drop(double bytes, const Eigen::Vector2d& vehicle);
 
   CellPart partOf(const CellStore& tile, int layer, int index) const;
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <set>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -272,13 +274,77 @@ TEST(HybridMap, ASheetIsWrittenOnWhereverItIsNear) {
 
 TEST(HybridMap, DropsTheOldestThatWaitsWhenMemoryIsShortAndCountsIt) {
   HybridMapConfig config = withLayers();
-  config.waiting.max_memory_mb = 0.02;  // one tile of salinity
+  config.occupancy.range_m = 1.0;
+  config.waiting.max_memory_mb = 0.07;  // four tiles of salinity
   HybridMap map(config);
-  map.insert(salinity({0.0, 0.0}, 1.0));
-  map.insert(salinity({50.0, 0.0}, 1.0));
+  for (int i = 0; i < 5; ++i) map.insert(salinity({50.0 * i, 0.0}, 1.0));
   EXPECT_EQ(map.counts().dropped_waiting_tiles, 1U);
-  EXPECT_EQ(map.evidenceWaiting(1), 1.0);
-  EXPECT_LE(map.waitingMemory().bytes(), 20000U);
+  EXPECT_EQ(map.evidenceWaiting(1), 4.0);
+  EXPECT_LE(map.waitingMemory().bytes(), 70000U);
+  map.waiting().visitTiles(map.layers().find("salinity"),
+                           [](const WaitingTile& tile) { EXPECT_GE(tile.x, 1); });
+}
+
+/// All around nothing is met.
+PosedScan clearAround(const Eigen::Vector2d& place) {
+  constexpr int kBeams = 720;
+  PosedScan posed = beam({place.x(), place.y(), 0.0}, 1.0, 0);
+  posed.scan.angle_increment_rad = 2.0 * M_PI / kBeams;
+  posed.scan.ranges_m.assign(kBeams, std::numeric_limits<float>::infinity());
+  return posed;
+}
+
+std::set<std::pair<int, int>> tilesOf(const HybridMap& map) {
+  std::set<std::pair<int, int>> tiles;
+  map.waiting().visitTiles(LayerSet::kOccupancy, [&](const WaitingTile& tile) {
+    tiles.insert({tile.x, tile.y});
+  });
+  return tiles;
+}
+
+TEST(HybridMap, OfWhatWasSeenAtOnceTheFarthestFromTheVehicleIsDropped) {
+  // Without landmarks there is one sheet, whose axes are those of the map.
+  HybridMapConfig config;
+  const double scan_mb = WaitingConfig::scanMemory_mb(config.occupancy.range_m, 0.2);
+  for (const double vehicle_x : {-100.0, 100.0}) {
+    config.waiting.max_memory_mb = 1.1 * scan_mb;
+    HybridMap map(config);
+    ASSERT_TRUE(map.insert(clearAround({0.0, 0.0})).accepted);
+    const std::set<std::pair<int, int>> before = tilesOf(map);
+    const Eigen::Vector2d vehicle(vehicle_x, 3.0);
+    ASSERT_TRUE(map.insert(clearAround(vehicle)).accepted);
+    const std::set<std::pair<int, int>> after = tilesOf(map);
+    const double tile_m = WaitingTile::kCells * config.resolution_m;
+    double farthest_kept = 0.0, nearest_dropped = std::numeric_limits<double>::infinity();
+    std::size_t dropped = 0;
+    for (const auto& [x, y] : before) {
+      const double distance = (tile_m * Eigen::Vector2d(x + 0.5, y + 0.5) - vehicle).norm();
+      if (after.count({x, y}) > 0) {
+        farthest_kept = std::max(farthest_kept, distance);
+      } else {
+        nearest_dropped = std::min(nearest_dropped, distance);
+        ++dropped;
+      }
+    }
+    ASSERT_GT(dropped, 0U);
+    ASSERT_LT(dropped, before.size());
+    EXPECT_EQ(map.counts().dropped_waiting_tiles, dropped);
+    EXPECT_LE(farthest_kept, nearest_dropped);
+    EXPECT_LE(double(map.waitingMemory().bytes()), 1e6 * config.waiting.max_memory_mb);
+  }
+}
+
+TEST(HybridMap, AScanFitsTheMemoryThatItIsSaidToNeed) {
+  for (const double range_m : {1.0, 10.0, 30.0}) {
+    HybridMapConfig config;
+    config.occupancy.range_m = range_m;
+    const double most_mb = WaitingConfig::scanMemory_mb(range_m, config.resolution_m);
+    for (const double offset_m : {0.0, 1.5, 3.1, 5.9}) {
+      HybridMap map(config);
+      ASSERT_TRUE(map.insert(clearAround({offset_m, offset_m})).accepted);
+      EXPECT_LE(double(map.waitingMemory().bytes()), 1e6 * most_mb) << range_m;
+    }
+  }
 }
 
 }  // namespace
