@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hybrid_map/log_odds.h"
 
@@ -29,6 +30,18 @@ std::string listed(const std::vector<std::string>& names) {
   for (const std::string& name : names) list += (list.empty() ? "'" : ", '") + name + "'";
   return list;
 }
+
+// Cells hold floats. Within these bounds no sum of evidence leaves their range, however many
+// samples come: a float no longer grows once 2^24 equal parts were added.
+constexpr double kMostEvidence = 1e15;
+constexpr double kLeastEvidence = 1e-15;
+constexpr double kLargestValue = 1e15;
+constexpr double kLargestVariance = 1e30;
+constexpr double kLeastVariance = 1e-30;
+// Beyond some 30 000 years a double does not tell the time of day.
+constexpr double kLatest_s = 1e12;
+
+bool isEvidence(double amount) { return amount >= kLeastEvidence && amount <= kMostEvidence; }
 
 class OccupancyModel : public CellModel {
  public:
@@ -67,14 +80,24 @@ class GaussianModel : public CellModel {
   int channels() const override { return 4; }
   std::optional<std::string> problemWith(const LayerSample& sample) const override {
     if (!std::isfinite(sample.value)) return "its value is not finite";
+    if (std::abs(sample.value) > kLargestValue) {
+      return "its value is beyond 1e15 or -1e15, which a cell cannot hold";
+    }
     if (!std::isfinite(sample.variance) || sample.variance <= 0.0) {
       return "the variance of its value is not positive";
+    }
+    if (sample.variance < kLeastVariance || sample.variance > kLargestVariance) {
+      return "the variance of its value is not within 1e-30 and 1e30, which a cell can hold";
     }
     return std::nullopt;
   }
   void add(const LayerSample& sample, double share, float* cell) const override {
-    const float one[] = {static_cast<float>(1.0 / sample.variance),
-                         static_cast<float>(sample.value), 0.0F, 1.0F};
+    // A value is no more certain than the float that holds it.
+    constexpr double kRounding = 0.5 * static_cast<double>(std::numeric_limits<float>::epsilon());
+    const double deviation = kRounding * sample.value;
+    const double variance = std::max(sample.variance, deviation * deviation);
+    const float one[] = {static_cast<float>(1.0 / variance), static_cast<float>(sample.value), 0.0F,
+                         1.0F};
     merge(one, static_cast<float>(share), cell);
   }
   std::optional<LayerValue> read(const float* cell) const override {
@@ -91,10 +114,12 @@ class GaussianModel : public CellModel {
     const float weight = share * source[kWeight];
     if (weight <= 0.0F) return;
     const float sum = cell[kWeight] + weight;
-    const float difference = source[kMean] - cell[kMean];
-    cell[kScatter] +=
-        share * source[kScatter] + difference * difference * cell[kWeight] * weight / sum;
-    cell[kMean] += difference * weight / sum;
+    // In floats, the products could leave the range that what they come to does not leave.
+    const double difference = static_cast<double>(source[kMean]) - static_cast<double>(cell[kMean]);
+    const double part = static_cast<double>(weight) / static_cast<double>(sum);
+    const double between = difference * difference * static_cast<double>(cell[kWeight]) * part;
+    cell[kScatter] += share * source[kScatter] + static_cast<float>(between);
+    cell[kMean] += static_cast<float>(difference * part);
     cell[kWeight] = sum;
     cell[kCount] += share * source[kCount];
   }
@@ -118,6 +143,9 @@ class CategoryModel : public CellModel {
   int channels() const override { return static_cast<int>(categories_.size()); }
   std::optional<std::string> problemWith(const LayerSample& sample) const override {
     if (!std::isfinite(sample.value) || sample.value <= 0.0) return "its weight is not positive";
+    if (!isEvidence(sample.value)) {
+      return "its weight is not within 1e-15 and 1e15, which a cell can hold";
+    }
     if (placeOf(sample.label, categories_) < 0) {
       return "it has no category '" + sample.label + "'; there are " + listed(categories_);
     }
@@ -152,10 +180,20 @@ class RateModel : public CellModel {
   int channels() const override { return 2 * classes(); }
   std::optional<std::string> problemWith(const LayerSample& sample) const override {
     if (!std::isfinite(sample.time_s)) return "its time is not finite";
+    if (std::abs(sample.time_s) > kLatest_s) {
+      return "its time is not within 1e12 s of 1970, so that it has no time of day";
+    }
     if (!std::isfinite(sample.value) || sample.value < 0.0)
       return "its number of events is negative";
+    if (sample.value > 0.0 && !isEvidence(sample.value)) {
+      return "its number of events is not within 1e-15 and 1e15, which a cell can hold";
+    }
     if (!std::isfinite(sample.exposure_s) || sample.exposure_s <= 0.0) {
       return "the time for which the place was watched is not positive";
+    }
+    if (!isEvidence(sample.exposure_s)) {
+      return "the time for which the place was watched is not within 1e-15 and 1e15 s, which a "
+             "cell can hold";
     }
     if (!weathers_.empty() && placeOf(sample.label, weathers_) < 0) {
       return "it knows no weather '" + sample.label + "'; there are " + listed(weathers_);

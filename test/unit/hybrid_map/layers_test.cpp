@@ -50,6 +50,70 @@ TEST(GaussianModel, RefusesMeasurementsWithoutVariance) {
   EXPECT_FALSE(model->problemWith(valueOf(1.0, 1.0)));
 }
 
+TEST(GaussianModel, RefusesWhatACellCannotHoldAndSaysWhy) {
+  const auto model = makeGaussianModel();
+  EXPECT_THAT(*model->problemWith(valueOf(1e39, 1.0)), testing::HasSubstr("beyond 1e15"));
+  EXPECT_THAT(*model->problemWith(valueOf(-3e38, 1.0)), testing::HasSubstr("beyond 1e15"));
+  EXPECT_THAT(*model->problemWith(valueOf(1.0, 1e-40)), testing::HasSubstr("within 1e-30"));
+  EXPECT_THAT(*model->problemWith(valueOf(1.0, 1e50)), testing::HasSubstr("within 1e-30"));
+}
+
+TEST(GaussianModel, StaysFiniteWhateverUsableSamplesCome) {
+  const auto model = makeGaussianModel();
+  std::array<float, 4> cell{}, moved{};
+  for (const double value : {1e15, -1e15, 0.0, 1.0, -1e-15}) {
+    for (const double variance : {1e-30, 1.0, 1e30}) {
+      for (const double share : {1.0, 0.04}) {
+        const LayerSample sample = valueOf(value, variance);
+        ASSERT_FALSE(model->problemWith(sample));
+        model->add(sample, share, cell.data());
+        model->merge(cell.data(), 1.0F / 9.0F, moved.data());
+        for (const auto& known : {model->read(cell.data()), model->read(moved.data())}) {
+          ASSERT_TRUE(known);
+          ASSERT_TRUE(std::isfinite(known->value)) << value << " " << variance;
+          ASSERT_TRUE(std::isfinite(known->variance)) << value << " " << variance;
+        }
+      }
+    }
+  }
+}
+
+TEST(GaussianModel, TakesAValueForNoMoreCertainThanItsFloat) {
+  const auto model = makeGaussianModel();
+  std::array<float, 4> cell{};
+  model->add(valueOf(1e6, 1e-20), 1.0, cell.data());
+  // Floats about 1e6 lie 2^-4 apart.
+  EXPECT_GT(std::sqrt(model->read(cell.data())->variance), 1.0 / 32.0);
+  EXPECT_LT(std::sqrt(model->read(cell.data())->variance), 1.0 / 8.0);
+}
+
+TEST(CategoryModel, RefusesWeightsThatACellCannotHold) {
+  const auto model = makeCategoryModel({"grass", "asphalt"});
+  for (const double weight : {1e39, 1e-46, 1e16}) {
+    LayerSample sample = valueOf(weight, 0.0);
+    sample.label = "grass";
+    const auto problem = model->problemWith(sample);
+    ASSERT_TRUE(problem) << weight;
+    EXPECT_THAT(*problem, testing::HasSubstr("within 1e-15 and 1e15"));
+  }
+}
+
+TEST(RateModel, RefusesWhatACellCannotHoldAndTimesWithoutATimeOfDay) {
+  const auto model = makeRateModel(4, {});
+  const auto problem = [&](double time_s, double events, double exposure_s) {
+    LayerSample sample = valueOf(events, 0.0);
+    sample.time_s = time_s;
+    sample.exposure_s = exposure_s;
+    return model->problemWith(sample).value_or("");
+  };
+  EXPECT_EQ(problem(1e9, 0.0, 1800.0), "");
+  EXPECT_THAT(problem(1e9, 1e39, 1800.0), testing::HasSubstr("number of events is not within"));
+  EXPECT_THAT(problem(1e9, 1e-46, 1800.0), testing::HasSubstr("number of events is not within"));
+  EXPECT_THAT(problem(1e9, 1.0, 1e-46), testing::HasSubstr("was watched is not within"));
+  EXPECT_THAT(problem(1e9, 1.0, 1e43), testing::HasSubstr("was watched is not within"));
+  EXPECT_THAT(problem(1e300, 1.0, 1800.0), testing::HasSubstr("no time of day"));
+}
+
 TEST(CategoryModel, CountsWhatWasSeen) {
   const auto model = makeCategoryModel({"grass", "asphalt", "sand"});
   std::array<float, 3> cell{};

@@ -34,6 +34,18 @@ TEST(HybridMap, RefusesSamplesThatItCannotPlaceAndSaysWhy) {
   EXPECT_EQ(map.evidenceInLtrs(1) + map.evidenceInLtrs(2), 0.0);
 }
 
+TEST(HybridMap, ASampleThatACellCannotHoldIsRefusedAndHarmsNothing) {
+  HybridMap map = mapOver(squareMap());
+  map.insert(salinity({2.0, 3.0}, 35.0));
+  EXPECT_THAT(map.insert(salinity({2.0, 3.0}, 1e39)).reason, HasSubstr("a cell cannot hold"));
+  PropertySample terrain = salinity({2.0, 3.0}, 1e39);
+  terrain.layer = "terrain";
+  terrain.sample.label = "grass";
+  EXPECT_THAT(map.insert(terrain).reason, HasSubstr("which a cell can hold"));
+  EXPECT_EQ(map.counts().refused_samples, 2U);
+  EXPECT_EQ(map.query("salinity", {2.0, 3.0}).value->value, 35.0);
+}
+
 TEST(HybridMap, RefusesScansThatItCannotPlaceAndSaysWhy) {
   HybridMap map = mapOver(squareMap());
   EXPECT_THAT(map.insert(beam({}, 5.0, 2)).reason, HasSubstr("version 2"));
