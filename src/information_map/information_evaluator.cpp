@@ -1,6 +1,7 @@
 #include "information_map/information_evaluator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -13,6 +14,13 @@ namespace {
 
 // From this field of view on, no landmark is taken for cut by its edges.
 constexpr double kAllAround_rad = 6.28;
+
+// Directions that take turns where there are too many landmarks: position and heading are told best
+// by landmarks all around.
+constexpr int kSectors = 12;
+
+// Times as many landmarks, at most, where the heading that sees a part of them is yet to be found.
+constexpr double kMostViews = 4.0;
 
 }  // namespace
 
@@ -38,6 +46,11 @@ AchievableInformation InformationEvaluator::at(const LandmarkField& field,
                                                const Eigen::Vector2d& place) {
   ++counts_.evaluations;
   const double margin_m = gather(field, place);
+  const bool is_extreme = heading_ == Heading::kWorst || heading_ == Heading::kBest;
+  if (heading_ == Heading::kFixed) keepInField(config_.fixed_heading_rad);
+  const double views =
+      is_extreme ? std::min(kMostViews, 2.0 * kPi / config_.sensor.field_of_view_rad) : 1.0;
+  keepMost(static_cast<std::size_t>(views * static_cast<double>(kMostLandmarks)));
   assembleCovariance(field);
   AchievableInformation information;
   switch (heading_) {
@@ -65,6 +78,8 @@ AchievableInformation InformationEvaluator::at(const LandmarkField& field,
                                                const Pose2& T_map_sensor) {
   ++counts_.evaluations;
   gather(field, T_map_sensor.position());
+  keepInField(T_map_sensor.yaw_rad);
+  keepMost(kMostLandmarks);
   assembleCovariance(field);
   return ofHeading(T_map_sensor.yaw_rad);
 }
@@ -89,6 +104,32 @@ double InformationEvaluator::gather(const LandmarkField& field, const Eigen::Vec
     return to_a != to_b ? to_a < to_b : a.index < b.index;
   });
   return margin_m;
+}
+
+void InformationEvaluator::keepInField(double heading_rad) {
+  visible_.erase(
+      std::remove_if(visible_.begin(), visible_.end(),
+                     [&](const Visible& visible) { return !isInField(visible.view, heading_rad); }),
+      visible_.end());
+}
+
+/// The nearest of each direction, then the second of each, and so on; still nearest first.
+/// Directions count from the nearest landmark, so that they turn with the map.
+void InformationEvaluator::keepMost(std::size_t most) {
+  if (visible_.size() <= most) return;
+  std::array<int, kSectors> taken{};
+  turns_.clear();
+  for (std::size_t i = 0; i < visible_.size(); ++i) {
+    const double turn = wrapAngle(visible_[i].view.bearing_rad - visible_[0].view.bearing_rad);
+    const auto sector = static_cast<int>(std::lround(turn / (2.0 * kPi) * kSectors));
+    turns_.emplace_back(taken[std::size_t((sector + kSectors) % kSectors)]++, i);
+  }
+  std::sort(turns_.begin(), turns_.end());
+  turns_.resize(most);
+  std::sort(turns_.begin(), turns_.end(),
+            [](const auto& a, const auto& b) { return a.second < b.second; });
+  for (std::size_t k = 0; k < most; ++k) visible_[k] = visible_[turns_[k].second];
+  visible_.resize(most);
 }
 
 /// P_L (32) of all visible landmarks, and which of its blocks are told.

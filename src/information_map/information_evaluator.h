@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -33,11 +34,15 @@ struct AchievableInformation {
 ///
 /// Where the map does not tell the covariance of two visible landmarks, the farther one is left
 /// out: information from some of the landmarks never exceeds that from all of them, whatever their
-/// covariance, so the result stays a lower bound.
+/// covariance, so the result stays a lower bound. For the same reason no more than kMostLandmarks
+/// of those in view count, the nearest in each direction: the time grows with the cube of their
+/// number.
 ///
 /// Reuses its buffers: one object a thread.
 class InformationEvaluator {
  public:
+  static constexpr std::size_t kMostLandmarks = 60;
+
   /// Whether something solid hides a landmark from the sensor.
   using Occlusion = std::function<bool(const Eigen::Vector2d& sensor, const Eigen::Vector2d& to)>;
 
@@ -74,6 +79,8 @@ class InformationEvaluator {
   };
 
   double gather(const LandmarkField& field, const Eigen::Vector2d& place);
+  void keepInField(double heading_rad);
+  void keepMost(std::size_t most);
   void assembleCovariance(const LandmarkField& field);
   AchievableInformation ofHeading(double heading_rad);
   AchievableInformation ofExtremeHeading(bool best);
@@ -87,7 +94,8 @@ class InformationEvaluator {
   Heading heading_;
   Counts counts_;
 
-  std::vector<Visible> visible_;    ///< nearest first
+  std::vector<Visible> visible_;                    ///< nearest first
+  std::vector<std::pair<int, std::size_t>> turns_;  ///< in its direction, and place in visible_
   std::vector<int> slot_;           ///< place in visible_ by landmark, -1 for others
   std::vector<double> covariance_;  ///< P_L (32), 2n x 2n, lower triangle
   std::vector<char> known_;         ///< n x n: whether the covariance of two is told

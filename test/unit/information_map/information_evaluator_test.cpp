@@ -139,6 +139,61 @@ RC_GTEST_PROP(InformationEvaluator, MovesWithMapAndPose, ()) {
   RC_ASSERT(std::abs(here.value - there.value) <= 1e-8 * (1.0 + here.value));
 }
 
+RC_GTEST_PROP(InformationEvaluator, IsALowerBoundWhereThereAreMoreLandmarksThanCount, ()) {
+  constexpr int kMost = static_cast<int>(InformationEvaluator::kMostLandmarks);
+  RandomGenerator generator(*rc::gen::arbitrary<std::uint32_t>());
+  const int count = *rc::gen::inRange(kMost - 20, kMost + 60);
+  const auto places = randomPlaces(count, 15.0, generator);
+  const MatrixXd P = randomCovariance(places, generator);
+  InformationConfig config = roundLooking();
+  config.measure = *rc::gen::element<std::string>("determinant", "smallest_eigenvalue", "trace");
+  InformationEvaluator evaluator(config);
+  const auto counted = evaluator.at(LandmarkField(mapOf(places, P), kCell_m), Pose2{});
+  const Matrix3d all = gainOfFilter(Pose2{}, places, P, config.sensor);
+  const double of_all = evaluator.measure().of(all);
+  RC_ASSERT(counted.landmarks == std::min(count, kMost));
+  // Numeric derivatives and the diffuse prior leave about seven digits.
+  const double rounding = 1e-6;
+  if (count <= kMost) RC_ASSERT((counted.matrix - all).norm() < rounding * all.norm());
+  RC_ASSERT(counted.value <= of_all * (1.0 + rounding));
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(all - counted.matrix).eigenvalues().minCoeff();
+  RC_ASSERT(least >= -rounding * all.norm());
+}
+
+RC_GTEST_PROP(InformationEvaluator, IsALowerBoundAtTheHeadingThatItChooses, ()) {
+  RandomGenerator generator(*rc::gen::arbitrary<std::uint32_t>());
+  const auto places = randomPlaces(*rc::gen::inRange(120, 150), 15.0, generator);
+  const MatrixXd P = randomCovariance(places, generator);
+  InformationConfig config = roundLooking();
+  config.sensor.field_of_view_rad = sampleUniform(generator, 2.5, 4.0);
+  config.heading = *rc::gen::element<std::string>("worst", "best", "fixed");
+  const auto counted =
+      InformationEvaluator(config).at(LandmarkField(mapOf(places, P), kCell_m), Vector2d(0.0, 0.0));
+  std::vector<Vector2d> in_view;
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double bearing =
+        wrapAngle(std::atan2(places[i].y(), places[i].x()) - counted.heading_rad);
+    if (std::abs(bearing) > 0.5 * config.sensor.field_of_view_rad) continue;
+    in_view.push_back(places[i]);
+    rows.push_back(i);
+  }
+  MatrixXd P_view(2 * Index(rows.size()), 2 * Index(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      P_view.block<2, 2>(2 * Index(i), 2 * Index(j)) =
+          P.block<2, 2>(2 * Index(rows[i]), 2 * Index(rows[j]));
+    }
+  }
+  const Pose2 pose{0.0, 0.0, counted.heading_rad};
+  const Matrix3d all = gainOfFilter(pose, in_view, P_view, config.sensor);
+  RC_ASSERT(counted.landmarks >= 2);
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(all - counted.matrix).eigenvalues().minCoeff();
+  RC_ASSERT(least >= -1e-6 * all.norm());
+}
+
 RC_GTEST_PROP(InformationEvaluator, NeverLosesByAnotherLandmark, ()) {
   RandomGenerator generator(*rc::gen::arbitrary<std::uint32_t>());
   auto places = randomPlaces(9, 15.0, generator);
