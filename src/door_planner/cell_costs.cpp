@@ -10,6 +10,7 @@ namespace {
 constexpr double kCornerShare = 1e-5;
 constexpr float kOccupied = -std::numeric_limits<float>::infinity();
 
+constexpr auto kDearest = static_cast<float>(PathCostConfig::kDearest);
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 /// Share from which a cell counts as one of a category.
 constexpr float kMostly = 0.5F;
@@ -70,11 +71,12 @@ void CellCosts::addProperty(const PropertyWeight& weight, const std::vector<floa
   }
   const float factor = static_cast<float>(weight.weight);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::isnan(values[i])) continue;
+    if (std::isnan(values[i]) || values_[i] == kOccupied) continue;
     if (weight.kind == PropertyWeight::Kind::kForbidden) {
       if (values[i] >= factor) values_[i] = kOccupied;
     } else {
-      values_[i] += factor * std::max(0.0F, values[i]);
+      // A map may hold any number, infinite ones too.
+      values_[i] = std::min(kDearest, values_[i] + factor * std::max(0.0F, values[i]));
     }
   }
 }
@@ -121,7 +123,7 @@ float CellCosts::passing(const CellCosts& one, int from, const CellCosts& other,
     if (rise > 0.0F) sum += here.rise * rise;
     if (rise < 0.0F) sum -= here.fall * rise;
   }
-  return sum;
+  return std::min(kDearest, sum);
 }
 
 void CellCosts::finish() {

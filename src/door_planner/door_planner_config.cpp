@@ -1,6 +1,7 @@
 #include "door_planner/door_planner_config.h"
 
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
@@ -10,7 +11,7 @@ namespace {
 
 constexpr const char* kForms =
     "NAME WEIGHT, NAME climb WEIGHT, NAME one_way WEIGHT or NAME forbidden THRESHOLD with a number "
-    "that is not negative";
+    "that is not negative, and a weight of at most 1e9";
 
 /// One entry; false if it is none.
 bool readWeight(const std::string& entry, PropertyWeight& weight) {
@@ -28,7 +29,9 @@ bool readWeight(const std::string& entry, PropertyWeight& weight) {
   std::istringstream number(word);
   const bool is_number = static_cast<bool>(number >> weight.weight) && number.eof();
   const bool is_usable = weight.isDirected() || weight.property.find('>') == std::string::npos;
-  return is_number && !(words >> word) && std::isfinite(weight.weight) && weight.weight >= 0.0 &&
+  const double most = weight.kind == Kind::kForbidden ? std::numeric_limits<float>::max()
+                                                      : PathCostConfig::kDearest;
+  return is_number && !(words >> word) && weight.weight >= 0.0 && weight.weight <= most &&
          is_usable;
 }
 
@@ -45,14 +48,15 @@ void visitEntries(const std::string& text, Visitor&& visit) {
 }  // namespace
 
 void PathCostConfig::describe(ConfigSchema& schema) {
-  schema.number("distance", distance, Range::notNegative(), "of a metre, wherever it lies");
-  schema.number("occupancy", occupancy, Range::notNegative(),
+  schema.number("distance", distance, Range::between(0.0, kDearest),
+                "of a metre, wherever it lies");
+  schema.number("occupancy", occupancy, Range::between(0.0, kDearest),
                 "of a metre, times the probability that it is occupied");
   schema.number("occupied_probability", occupied_probability, Range::between(0.05, 0.99),
                 "from which nothing passes");
   schema.number("probability_step", probability_step, Range{0.0, 0.3, false},
                 "to which probabilities are rounded, so that small changes need no new costs");
-  schema.number("unknown", unknown, Range::notNegative(),
+  schema.number("unknown", unknown, Range::between(0.0, kDearest),
                 "of a metre in addition where the occupancy is not known");
   schema.flag("unknown_is_occupied", unknown_is_occupied, "nothing passes where it is not known");
   schema.text(
@@ -189,10 +193,12 @@ std::vector<std::string> DoorPlannerConfig::problems() const {
   if (!goal.empty() && !goalPlace()) {
     problems.push_back("goal: '" + goal + "' is not two numbers, X and Y in map [m].");
   }
-  if (cost.distance == 0.0) {
-    problems.emplace_back(
-        "cost.distance: is 0, so that going round in circles on free ground would cost nothing; "
-        "give it a small positive value.");
+  if (cost.distance >= 0.0 && cost.distance < PathCostConfig::kCheapest) {
+    std::ostringstream text;
+    text << "cost.distance: is " << cost.distance
+         << ", so that going round in circles on free ground would cost nothing; give it at least "
+         << PathCostConfig::kCheapest << ".";
+    problems.push_back(text.str());
   }
   if (vehicle.rear_overhang_m > vehicle.length_m) {
     problems.emplace_back("footprint.rear_overhang_m: is greater than footprint.length_m.");

@@ -31,6 +31,9 @@ struct PropertyWeight {
 
 /// What a metre costs (11). Free and known ground without further properties costs `distance`.
 struct PathCostConfig {
+  /// What a metre costs lies between these, or sums of costs would lose their digits or overflow.
+  static constexpr double kCheapest = 1e-6, kDearest = 1e9;
+
   double distance = 1.0;
   double occupancy = 2.0;
   double occupied_probability = 0.6;

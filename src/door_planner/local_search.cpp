@@ -142,16 +142,13 @@ void LocalSearch::push(float cost, int cell, int parent) {
   if (label.bound < 0.0F) label.bound = boundOf(cell);
   label.cost = cost;
   label.parent = parent;
-  // As wide as a step is cheap at least: what is taken up too early is taken up again.
-  const float per_cost = 1.0F / std::max(cheapest_step_, 1e-6F);
-  const std::size_t to = std::max(bucket_, std::size_t((cost + label.bound) * per_cost));
-  if (to >= buckets_.size()) buckets_.resize(to + 1);
-  buckets_[to].push_back({cost, cell});
+  waiting_.push(cost + label.bound, cell);
 }
 
-void LocalSearch::takeUp(const Entry& entry, Direction direction) {
-  const auto [cost, cell] = entry;
-  if (cost > labels_[std::size_t(cell)].cost) return;
+void LocalSearch::takeUp(const CheapestFirst::Entry& entry, Direction direction) {
+  const int cell = entry.value;
+  const float cost = labels_[std::size_t(cell)].cost;
+  if (entry.key > cost + labels_[std::size_t(cell)].bound) return;
   if (is_end_[std::size_t(cell)]) {
     is_end_[std::size_t(cell)] = false;
     --ends_;
@@ -175,19 +172,14 @@ void LocalSearch::spread(const Triangle::Local& place, Direction direction,
                          const std::vector<Triangle::Local>& others,
                          const std::vector<bool>& wanted) {
   labels_.assign(std::size_t(stride_) * std::size_t(rows_), Label{kInfinite, -1, -1.0F});
-  for (std::vector<Entry>& bucket : buckets_) bucket.clear();
-  bucket_ = 0;
+  // Buckets as wide as a step is cheap at least: what is taken up too early is taken up again.
+  waiting_.begin(0.0F, cheapest_step_);
   aimAt(others, wanted);
   visitNear(place, [&](int cell) {
     push(static_cast<float>(oriented(place, placeOf(cell), direction)), cell, -1);
   });
-  for (; bucket_ < buckets_.size() && ends_ > 0; ++bucket_) {
-    while (!buckets_[bucket_].empty()) {
-      const Entry entry = buckets_[bucket_].back();
-      buckets_[bucket_].pop_back();
-      takeUp(entry, direction);
-    }
-  }
+  CheapestFirst::Entry entry{};
+  while ((ends_ > 0 || !waiting_.isThrough()) && waiting_.pop(entry)) takeUp(entry, direction);
 }
 
 LocalPath LocalSearch::trace(const Triangle::Local& place, const Triangle::Local& other,

@@ -6,6 +6,7 @@
 
 #include "door_planner/cell_costs.h"
 #include "door_planner/cell_metric.h"
+#include "door_planner/cheapest_first.h"
 #include "hybrid_map/simplex.h"
 
 namespace hymm::core {
@@ -41,10 +42,6 @@ class LocalSearch {
     int parent;
     float bound;  ///< of what is left to the nearest of those that are looked for
   };
-  struct Entry {
-    float cost;
-    int cell;
-  };
   struct Link {
     int cell = -1;  ///< padded
     double cost = kNoPassing;
@@ -56,7 +53,7 @@ class LocalSearch {
   void aimAt(const std::vector<Triangle::Local>& others, const std::vector<bool>& wanted);
   float boundOf(int cell) const;
   void push(float cost, int cell, int parent);
-  void takeUp(const Entry& entry, Direction direction);
+  void takeUp(const CheapestFirst::Entry& entry, Direction direction);
   const float* stepsFrom(int padded);
   int paddedIndex(int i, int j) const { return (j + pad_) * stride_ + i + pad_; }
   Triangle::Local placeOf(int padded) const;
@@ -85,12 +82,11 @@ class LocalSearch {
   std::vector<int> first_step_;
   std::vector<float> step_costs_;
   float cheapest_step_ = 0.0F;
-  std::vector<std::vector<Entry>> buckets_;  ///< by cost
-  std::size_t bucket_ = 0;                   ///< that is taken up
-  std::vector<Eigen::Vector2f> targets_;     ///< in m, from the triangle's first corner
-  std::vector<bool> is_end_;                 ///< by padded cell
-  std::size_t ends_ = 0;                     ///< not yet reached
-  std::vector<Label> labels_;                ///< by padded cell
+  CheapestFirst waiting_;                 ///< padded cells by cost and bound
+  std::vector<Eigen::Vector2f> targets_;  ///< in m, from the triangle's first corner
+  std::vector<bool> is_end_;              ///< by padded cell
+  std::size_t ends_ = 0;                  ///< not yet reached
+  std::vector<Label> labels_;             ///< by padded cell
 };
 
 }  // namespace hymm::core

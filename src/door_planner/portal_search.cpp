@@ -24,8 +24,6 @@ void PortalSearch::begin(const Scope& scope, const Eigen::Vector2d* from,
   scope_ = scope;
   graph_ = scope.graph;
   targets_.clear();
-  for (std::size_t i = first_bucket_; i < end_bucket_; ++i) buckets_[i].clear();
-  first_bucket_ = end_bucket_ = 0;
   if (labels_.size() < std::size_t(graph_->portalCount()) ||
       states_.size() < graph_->sides().size() ||
       search_ == std::numeric_limits<std::uint32_t>::max()) {
@@ -43,13 +41,12 @@ void PortalSearch::begin(const Scope& scope, const Eigen::Vector2d* from,
   has_goal_ = goal != nullptr;
   if (has_goal_) {
     goal_ = (*goal - graph_->origin()).cast<float>();
-    lowest_ = least_ * static_cast<float>((*from - *goal).norm());
-    buckets_per_cost_ = 1.0F / std::max(lowest_ / kBucketsPerLowest, kFinest_m * least_);
-    together_ = kTogether * lowest_;
+    const float lowest = least_ * static_cast<float>((*from - *goal).norm());
+    waiting_.begin(lowest, std::max(lowest / kBucketsPerLowest, kFinest_m * least_));
+    together_ = kTogether * lowest;
   } else {
-    lowest_ = 0.0F;
     together_ = kTogether_m * least_;
-    buckets_per_cost_ = 1.0F / together_;
+    waiting_.begin(0.0F, together_);
   }
 }
 
@@ -69,11 +66,7 @@ void PortalSearch::enqueue(int side, float total) {
   SideState& state = states_[std::size_t(side)];
   if (!(total < state.queued) || total >= limit_) return;
   state.queued = total;
-  const float over = std::max(0.0F, (total - lowest_) * buckets_per_cost_);
-  const std::size_t bucket = std::max(first_bucket_, std::size_t(over));
-  if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
-  end_bucket_ = std::max(end_bucket_, bucket + 1);
-  buckets_[bucket].push_back({total, side});
+  waiting_.push(total, side);
 }
 
 void PortalSearch::offer(int portal, int ltr, float cost) {
@@ -88,17 +81,11 @@ void PortalSearch::offer(int portal, int ltr, float cost) {
 
 /// The next side to take up, unless it leads to nothing cheaper than what is known.
 bool PortalSearch::next(Entry& entry) {
-  for (; first_bucket_ < end_bucket_; ++first_bucket_) {
-    if (lowest_ + static_cast<float>(first_bucket_) / buckets_per_cost_ >= limit_) return false;
-    std::vector<Entry>& bucket = buckets_[first_bucket_];
-    while (!bucket.empty()) {
-      entry = bucket.back();
-      bucket.pop_back();
-      SideState& state = states_[std::size_t(entry.side)];
-      if (entry.total != state.queued) continue;
-      state.queued = kInfinite;
-      if (entry.total < limit_) return true;
-    }
+  while (waiting_.pop(entry, limit_)) {
+    SideState& state = states_[std::size_t(entry.value)];
+    if (entry.key != state.queued) continue;
+    state.queued = kInfinite;
+    if (entry.key < limit_) return true;
   }
   return false;
 }
@@ -198,23 +185,23 @@ void PortalSearch::reach(const Target& target, int portal) {
 }
 
 void PortalSearch::takeUp(const Entry& entry) {
-  const SearchSide& side = graph_->searchSide(entry.side);
+  const SearchSide& side = graph_->searchSide(entry.value);
   const auto target = std::find_if(targets_.begin(), targets_.end(),
-                                   [&](const Target& t) { return t.side == entry.side; });
+                                   [&](const Target& t) { return t.side == entry.value; });
   float rest = kInfinite;
   for (int portal = side.first_portal; portal < side.first_portal + side.portals; ++portal) {
     Label& label = labels_[std::size_t(portal)];
     if (!label.isPending()) continue;
-    if (label.total() > entry.total + together_) {
+    if (label.total() > entry.key + together_) {
       rest = std::min(rest, label.total());
       continue;
     }
     label.expanded = label.cost;
     ++expanded_;
     if (target != targets_.end()) reach(*target, portal);
-    expand(entry.side, portal);
+    expand(entry.value, portal);
   }
-  enqueue(entry.side, rest);
+  enqueue(entry.value, rest);
 }
 
 bool PortalSearch::run() {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "door_planner/cheapest_first.h"
 #include "door_planner/districts.h"
 #include "door_planner/door_graph.h"
 #include "door_planner/place_link.h"
@@ -89,10 +90,7 @@ class PortalSearch {
     float queued;  ///< total with which it waits
     std::uint32_t search = 0;
   };
-  struct Entry {
-    float total;
-    std::int32_t side;
-  };
+  using Entry = CheapestFirst::Entry;  ///< a side, by the least total of its portals
   /// Costs from a portal to those of a side, reached through its LTR `end`.
   struct Row {
     int from;
@@ -125,9 +123,8 @@ class PortalSearch {
   std::vector<SideState> states_;                ///< by side
   std::vector<float> reached_;                   ///< by portal on the borders of districts
   std::vector<std::uint32_t> reached_searches_;  ///< by district, the search that it was reached in
-  std::vector<std::vector<Entry>> buckets_;      ///< by total cost
-  std::size_t first_bucket_ = 0, end_bucket_ = 0;
-  float lowest_ = 0.0F, buckets_per_cost_ = 1.0F, together_ = 0.0F;
+  CheapestFirst waiting_;                        ///< sides
+  float together_ = 0.0F;
   std::uint32_t search_ = 0;
   std::size_t expanded_ = 0;
 };

@@ -1,5 +1,6 @@
 #include "door_planner/door_search.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -26,7 +27,8 @@ std::size_t stateOf(const DoorGraph& graph, int portal, int ltr) {
 
 /// Cheapest costs from a portal, in one of its LTRs, by Bellman and Ford over every pair of portals
 /// of every LTR and every crossing.
-std::vector<double> cheapestAlongPortals(const DoorGraph& graph, int from, int in) {
+std::vector<double> cheapestAlongPortals(const DoorGraph& graph, int from, int in,
+                                         const Admits& admits = {}) {
   std::vector<double> cost(2 * std::size_t(graph.portalCount()), kNoPassing);
   cost[stateOf(graph, from, in)] = 0.0;
   bool changed = true;
@@ -41,6 +43,11 @@ std::vector<double> cheapestAlongPortals(const DoorGraph& graph, int from, int i
       for (int a = 0; a < ltr.first_portal[3]; ++a) {
         const int portal = graph.portalAt(number, a);
         for (int b = 0; b < ltr.first_portal[3]; ++b) {
+          const bool is_admitted =
+              !admits ||
+              admitsAll(graph, number, graph.wayBetween(number, portal, graph.portalAt(number, b)),
+                        admits);
+          if (!is_admitted) continue;
           offer(stateOf(graph, portal, number), stateOf(graph, graph.portalAt(number, b), number),
                 ltr.factor * static_cast<double>(ltr.matrix->cost(a, b)));
         }
@@ -150,6 +157,41 @@ TEST(DoorSearch, IsOptimalOverTheDoorGraphWithDistrictsAndWithout) {
     }
   }
   EXPECT_GT(crossed, 0U) << "no district was crossed at once";
+}
+
+TEST(DoorSearch, IsOptimalWhereSomeLtrsAreAThousandMillionTimesDearer) {
+  DoorPlannerConfig config;
+  config.cost.unknown = PathCostConfig::kDearest;
+  config.district_m = 18.0;
+  World world(freeGround, config);
+  // Every third LTR is unknown, and uniform, so that nothing is searched inside of it.
+  for (const LtrView& ltr : world.mesh.ltrs) {
+    if (ltr.id % 3 == 0) world.planner.setContent(ltr.id, LtrContent());
+  }
+  world.planner.prepare(Vector2d::Zero());
+  world.planner.prepareDistricts();
+  const std::shared_ptr<const DoorGraph> graph = world.planner.graph();
+  const std::shared_ptr<const Districts> districts = world.planner.districts();
+  DoorSearch search;
+  int dear = 0;
+  for (int from = 0; from < graph->portalCount(); from += 31) {
+    for (int to = 3; to < graph->portalCount(); to += 17) {
+      const int ltr = graph->side(graph->sideOf(from)).ltrs[0];
+      const int other = graph->side(graph->sideOf(to)).ltrs[0];
+      const GraphPlace start{ltr, graph->localOf(ltr, from)},
+          goal{other, graph->localOf(other, to)};
+      const double cheapest = cheapestAlongPortals(*graph, from, ltr)[stateOf(*graph, to, other)];
+      DoorRoute alone, together;
+      DoorSearch::Options options;
+      ASSERT_EQ(search.find(*graph, start, goal, options, alone), SearchOutcome::kFound);
+      options.districts = districts.get();
+      ASSERT_EQ(search.find(*graph, start, goal, options, together), SearchOutcome::kFound);
+      EXPECT_LE(alone.cost, cheapest * (1.0 + 1e-5) + 1e-9);
+      EXPECT_NEAR(together.cost, alone.cost, 1e-5 * alone.cost);
+      dear += cheapest > 1e8 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(dear, 0) << "no way crosses dear ground";
 }
 
 }  // namespace

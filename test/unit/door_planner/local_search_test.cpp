@@ -1,7 +1,11 @@
 #include "door_planner/local_search.h"
 
 #include <cmath>
+#include <functional>
+#include <queue>
 #include <stdexcept>
+#include <tuple>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -76,6 +80,83 @@ TEST(LocalSearch, AvoidsUnknownGroundAsFarAsItsCostSays) {
   EXPECT_LT(around, shortest * 1.03);
 }
 
+TEST(LocalSearch, CrossesGroundThatIsAThousandMillionTimesDearerWhereItIsThinnest) {
+  Field field;
+  field.config.unknown = PathCostConfig::kDearest;
+  // From side to side, 2 m thick but for 0.4 m around y = 6.
+  const CellCosts costs = field.costs([](const Vector2d& p) {
+    return std::abs(p.x() - 4.0) < (std::abs(p.y() - 6.0) < 0.6 ? 0.2 : 1.0) ? NAN : 0.0F;
+  });
+  const LocalPath path = field.find(costs, {1.1, 1.1}, {8.1, 1.1});
+  EXPECT_NEAR(path.cost, 0.4 * field.config.unknown, 0.01 * field.config.unknown);
+}
+
+/// Cheapest cost of a way along steps between cells' centres, looked for without any bound or
+/// bucket.
+double cheapestAlongSteps(const Field& field, const CellCosts& costs, const Vector2d& from,
+                          const Vector2d& to) {
+  const TriangularGrid& grid = costs.grid();
+  const CellMetric metric(field.triangle, grid.alphaCells(), grid.betaCells(), 0.02);
+  std::vector<double> cost(std::size_t(grid.cellCount()), kNoPassing);
+  const auto cellAt = [&](const Vector2d& place) {
+    const Vector2d cells = grid.toCells(field.triangle.toLocal(place));
+    return Eigen::Vector2i(static_cast<int>(cells.x()), static_cast<int>(cells.y()));
+  };
+  using Waiting = std::tuple<double, int, int>;
+  std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> waiting;
+  const auto offer = [&](const Eigen::Vector2i& cell, double offered) {
+    double& known = cost[std::size_t(grid.index(cell.x(), cell.y()))];
+    if (offered >= known) return;
+    known = offered;
+    waiting.emplace(offered, cell.x(), cell.y());
+  };
+  offer(cellAt(from), 0.0);
+  while (!waiting.empty()) {
+    const auto [reached, i, j] = waiting.top();
+    waiting.pop();
+    if (reached > cost[std::size_t(grid.index(i, j))]) continue;
+    for (const CellStep& step : metric.steps()) {
+      const Eigen::Vector2i next(i + step.di, j + step.dj);
+      // Centres inside the triangle, whose legs have as many cells.
+      if (next.minCoeff() < 0 || next.sum() + 1 > grid.alphaCells()) continue;
+      double sum = 0.0;
+      for (const CellStep::Pass& pass : step.passes) {
+        const auto passed =
+            static_cast<double>(costs.perMetre(grid.index(i + pass.di, j + pass.dj)));
+        sum += pass.share * step.length_m * (passed > 0.0 ? passed : kNoPassing);
+      }
+      offer(next, reached + sum);
+    }
+  }
+  const Eigen::Vector2i end = cellAt(to);
+  return cost[std::size_t(grid.index(end.x(), end.y()))];
+}
+
+TEST(LocalSearch, IsNoDearerThanAnyWayAlongStepsHoweverDearGroundIs) {
+  RandomGenerator generator(4);
+  for (const double dearest : {10.0, 1e4, 1e8}) {
+    Field field;
+    field.ltr = test::SquareMesh(1, 1, 16.0, 0.5).ltrs.front();
+    // Of every size between 1 and the dearest, in patches of a metre.
+    field.config.occupancy = dearest;
+    field.config.occupied_probability = 0.99;
+    field.config.probability_step = 0.0;
+    std::vector<float> patches(17 * 17);
+    for (float& patch : patches) {
+      patch = static_cast<float>(0.9 * std::pow(dearest, -sampleUniform(generator, 0.0, 1.0)));
+    }
+    const CellCosts costs = field.costs(
+        [&](const Vector2d& p) { return patches[std::size_t(p.x()) * 17 + std::size_t(p.y())]; });
+    for (const Vector2d& to :
+         {Vector2d(14.25, 0.75), Vector2d(0.75, 14.25), Vector2d(7.75, 7.25)}) {
+      const Vector2d from(0.25, 0.25);
+      const double cost = field.find(costs, from, to).cost;
+      EXPECT_LE(cost, cheapestAlongSteps(field, costs, from, to) * (1.0 + 1e-5))
+          << "dearest " << dearest;
+    }
+  }
+}
+
 TEST(LocalSearch, PaysForClimbingOnly) {
   Field field;
   LtrContent content = test::contentOf(field.ltr, freeGround);
@@ -132,6 +213,20 @@ TEST(CellCosts, RefusesContentOfAnotherGrid) {
   EXPECT_THROW(CellCosts(field.config, {}, gridOf(10, 10), content), std::invalid_argument);
 }
 
+TEST(CellCosts, PassesNothingThatIsOccupiedHoweverDearALayerMakesIt) {
+  Field field;
+  field.config.properties = "mud 1";
+  std::vector<std::string> problems;
+  LtrContent content = test::contentOf(field.ltr, freeGround);
+  content.properties["mud"].assign(content.occupancy.size(),
+                                   std::numeric_limits<float>::infinity());
+  content.occupancy[7] = 1.0F;
+  const CellCosts costs(field.config, field.config.weights(problems),
+                        gridOf(field.ltr.alpha_cells, field.ltr.beta_cells), content);
+  EXPECT_TRUE(costs.isOccupied(7));
+  EXPECT_EQ(costs.perMetre(8), static_cast<float>(PathCostConfig::kDearest));
+}
+
 TEST(PathCostConfig, RefusesNegativeWeightsByName) {
   PathCostConfig config;
   config.properties = "traffic -1; terrain.grass 0.5; height climb x";
@@ -147,6 +242,18 @@ TEST(DoorPlannerConfig, RefusesWeightsThatMakeAllGroundFree) {
   config.cost.distance = 0.0;
   ASSERT_EQ(config.problems().size(), 1U);
   EXPECT_THAT(config.problems().front(), testing::HasSubstr("cost.distance"));
+  config.cost.distance = 1e-40;
+  ASSERT_EQ(config.problems().size(), 1U) << "no number that costs are kept in";
+}
+
+TEST(DoorPlannerConfig, RefusesWeightsThatSumsCannotHold) {
+  DoorPlannerConfig config;
+  config.cost.unknown = 1e30;
+  config.cost.properties = "mud 1e30; height climb 1e30; traffic forbidden 1e30";
+  EXPECT_THAT(config.problems(),
+              testing::UnorderedElementsAre(testing::HasSubstr("cost.unknown"),
+                                            testing::HasSubstr("'mud 1e30'"),
+                                            testing::HasSubstr("' height climb 1e30'")));
 }
 
 TEST(CostMatrix, ObeysTheTriangleInequality) {

@@ -1,6 +1,9 @@
+#include <chrono>
 #include <cmath>
+#include <future>
 #include <map>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include <gmock/gmock.h>
@@ -129,7 +132,9 @@ TEST(DoorPlanner, RefusesWeightsOfARequestThatCannotBeUsed) {
   for (const auto& [weights, words] :
        {std::make_pair("mud -1", "'mud -1'"), std::make_pair("mud", "'mud'"),
         std::make_pair("distance 0; occupancy 0; unknown 0", "cost nothing"),
-        std::make_pair("a.b>c 3", "'a.b>c 3'")}) {
+        std::make_pair("distance 1e-40", "cost nothing"),
+        std::make_pair("unknown 1e300", "'unknown 1e300'"),
+        std::make_pair("mud 1e10", "'mud 1e10'"), std::make_pair("a.b>c 3", "'a.b>c 3'")}) {
     request.weights = weights;
     const Plan plan = world.planner.plan(request);
     EXPECT_EQ(plan.status, PlanStatus::kBadRequest) << weights;
