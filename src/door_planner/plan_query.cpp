@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <sstream>
+#include <utility>
 
 #include "door_planner/path_refinement.h"
 
@@ -12,6 +14,8 @@ namespace {
 /// Directions and steps in which a place that is free is looked for around one that is not.
 constexpr int kSpokes = 16;
 constexpr double kSpokeStep_m = 0.1;
+/// Between questions whether to go on: some thousand places.
+constexpr std::int64_t kStepsBetweenStops = 256;
 
 std::string placeText(const Eigen::Vector2d& place) {
   std::ostringstream text;
@@ -21,6 +25,20 @@ std::string placeText(const Eigen::Vector2d& place) {
 }
 
 bool isFinite(const std::optional<double>& number) { return !number || std::isfinite(*number); }
+
+/// How far away what a graph's LTRs cover begins, and ends, at most.
+std::pair<double, double> distancesTo(const DoorGraph& graph, const Eigen::Vector2d& point) {
+  Eigen::Vector2d low = graph.ltrs().front().view.corners[0], high = low;
+  for (const GraphLtr& ltr : graph.ltrs()) {
+    for (const Eigen::Vector2d& corner : ltr.view.corners) {
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
+    }
+  }
+  const Eigen::Vector2d nearest = point.cwiseMax(low).cwiseMin(high);
+  const Eigen::Vector2d farthest = (point - low).cwiseAbs().cwiseMax((point - high).cwiseAbs());
+  return {(point - nearest).norm(), farthest.norm()};
+}
 
 }  // namespace
 
@@ -48,9 +66,9 @@ Plan PlanQuery::run(DoorSearch& search) {
 std::optional<Plan> PlanQuery::check() {
   if (!request_.start.allFinite() || !request_.goal.allFinite() ||
       !isFinite(request_.start_heading) || !isFinite(request_.goal_heading) ||
-      !(request_.tolerance_m >= 0.0)) {
+      !std::isfinite(request_.tolerance_m) || request_.tolerance_m < 0.0) {
     return refusedPlan(PlanStatus::kBadRequest,
-                       "Start and goal must be finite and the tolerance not negative.");
+                       "Start, goal and tolerance must be finite, and the tolerance not negative.");
   }
   if (graph_.ltrs().empty()) {
     return refusedPlan(PlanStatus::kNoMap,
@@ -84,28 +102,43 @@ bool PlanQuery::isFree(const GraphPlace& place) const {
   return place.ltr != kNone && graph_.isPassable(place.ltr, place.local);
 }
 
-/// The nearest free place within the tolerance, found along spokes.
-std::optional<GraphPlace> PlanQuery::nearestFree(const Eigen::Vector2d& point) const {
-  for (double away = 0.0; away <= request_.tolerance_m; away += kSpokeStep_m) {
-    for (int i = 0; i < (away > 0.0 ? kSpokes : 1); ++i) {
+std::optional<GraphPlace> PlanQuery::freeAt(const Eigen::Vector2d& point) const {
+  const GraphPlace place = locate(point);
+  if (isFree(place) && isInformed(point)) return place;
+  return std::nullopt;
+}
+
+/// The nearest free place within the tolerance, found along spokes. Whatever the tolerance, it is
+/// looked for no farther than LTRs reach.
+std::optional<GraphPlace> PlanQuery::nearestFree(const Eigen::Vector2d& point) {
+  if (std::optional<GraphPlace> free = freeAt(point)) return free;
+  const auto [nearest_m, farthest_m] = distancesTo(graph_, point);
+  const double first = std::max(1.0, std::floor(nearest_m / kSpokeStep_m));
+  // A tolerance of whole steps holds as many, whatever a quotient's last digit says.
+  const double last = std::floor(std::min(request_.tolerance_m, farthest_m) / kSpokeStep_m + 1e-6);
+  if (!(first <= last)) return std::nullopt;
+  // Counted by whole numbers: far from the map a step is less than a distance's last digit.
+  const auto steps = static_cast<std::int64_t>(last - first);
+  for (std::int64_t step = 0; step <= steps; ++step) {
+    if (step % kStepsBetweenStops == 0 && isInterrupted()) return std::nullopt;
+    const double away_m = (first + static_cast<double>(step)) * kSpokeStep_m;
+    for (int i = 0; i < kSpokes; ++i) {
       const double angle = 2.0 * M_PI * i / kSpokes;
-      const Eigen::Vector2d tried =
-          point + away * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-      const GraphPlace place = locate(tried);
-      if (isFree(place) && isInformed(tried)) return place;
+      const Eigen::Vector2d spoke(std::cos(angle), std::sin(angle));
+      if (std::optional<GraphPlace> free = freeAt(point + away_m * spoke)) return free;
     }
   }
   return std::nullopt;
 }
 
 std::optional<Plan> PlanQuery::place(const std::string& what, const Eigen::Vector2d& point,
-                                     PlanStatus outside, PlanStatus occupied,
-                                     GraphPlace& found) const {
+                                     PlanStatus outside, PlanStatus occupied, GraphPlace& found) {
   const std::string where = "The " + what + " " + placeText(point);
   if (std::optional<GraphPlace> free = nearestFree(point)) {
     found = *free;
     return std::nullopt;
   }
+  if (interruption_ != PlanStatus::kOk) return stopped();
   const GraphPlace exact = locate(point);
   if (exact.ltr == kNone) {
     return refusedPlan(outside, where +
@@ -135,14 +168,18 @@ Plan PlanQuery::stopped() const {
 }
 
 /// Tells whether there would be a way if no information were asked for.
-Plan PlanQuery::noWay(DoorSearch& search) const {
+Plan PlanQuery::noWay(DoorSearch& search) {
   const std::string between =
       "from " + placeText(request_.start) + " to " + placeText(request_.goal);
   if (request_.is_informed) {
+    if (isInterrupted()) return stopped();
     DoorSearch::Options options;
     options.districts = districts_;
+    if (request_.interrupted) options.stop = [this] { return isInterrupted(); };
     DoorRoute route;
-    if (search.find(graph_, start_, goal_, options, route) == SearchOutcome::kFound) {
+    const SearchOutcome outcome = search.find(graph_, start_, goal_, options, route);
+    if (outcome == SearchOutcome::kStopped) return stopped();
+    if (outcome == SearchOutcome::kFound) {
       return refusedPlan(PlanStatus::kBelowInformation,
                          "Every way " + between +
                              " leads through places where the vehicle would know its pose less "

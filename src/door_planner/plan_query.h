@@ -31,11 +31,12 @@ class PlanQuery {
   bool isInterrupted();
   GraphPlace locate(const Eigen::Vector2d& point) const;
   bool isFree(const GraphPlace& place) const;
-  std::optional<GraphPlace> nearestFree(const Eigen::Vector2d& point) const;
+  std::optional<GraphPlace> freeAt(const Eigen::Vector2d& point) const;
+  std::optional<GraphPlace> nearestFree(const Eigen::Vector2d& point);
   std::optional<Plan> place(const std::string& what, const Eigen::Vector2d& point,
-                            PlanStatus outside, PlanStatus occupied, GraphPlace& found) const;
+                            PlanStatus outside, PlanStatus occupied, GraphPlace& found);
   Plan stopped() const;
-  Plan noWay(DoorSearch& search) const;
+  Plan noWay(DoorSearch& search);
   Plan join(const DoorRoute& route);
   std::string refine(std::vector<PathPoint>& path, Plan& plan);
   void describe(const std::vector<PathPoint>& path, Plan& plan) const;

@@ -82,6 +82,53 @@ TEST(DoorPlanner, MovesAnOccupiedGoalWithinTheTolerance) {
   EXPECT_LE((plan.path.back() - request.goal).norm(), 2.0);
 }
 
+TEST(DoorPlanner, RefusesAToleranceThatIsNotFinite) {
+  const World world(freeGround);
+  PlanRequest request;
+  request.start = {8.0, 8.0};
+  request.goal = {40.0, 8.0};
+  for (const double tolerance_m : {double{INFINITY}, double{NAN}, -1.0}) {
+    request.tolerance_m = tolerance_m;
+    EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kBadRequest) << tolerance_m;
+  }
+}
+
+TEST(DoorPlanner, LooksForAFreePlaceNoFartherThanTheMapReaches) {
+  const World world([](const Vector2d&) { return 1.0F; });
+  PlanRequest request;
+  request.goal = {40.0, 8.0};
+  request.tolerance_m = 1e6;
+  int asked = 0;
+  request.interrupted = [&] {
+    ++asked;
+    return PlanStatus::kOk;
+  };
+  // The map is 70 m from corner to corner, some hundred steps.
+  for (const auto& [start, status] :
+       {std::make_pair(Vector2d(8.0, 8.0), PlanStatus::kStartOccupied),
+        std::make_pair(Vector2d(-9e5, 8.0), PlanStatus::kStartOutsideMap),
+        std::make_pair(Vector2d(1e200, 8.0), PlanStatus::kStartOutsideMap)}) {
+    request.start = start;
+    asked = 0;
+    EXPECT_EQ(world.planner.plan(request).status, status);
+    EXPECT_LE(asked, 4);
+  }
+  request.start = {8.0, 8.0};
+  request.interrupted = [] { return PlanStatus::kTimeout; };
+  EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kTimeout);
+}
+
+TEST(DoorPlanner, FindsAFreePlaceInAMapFarAway) {
+  const World world(freeGround);
+  PlanRequest request;
+  request.start = {-9e5, 24.0};
+  request.goal = {40.0, 8.0};
+  request.tolerance_m = 1e6;
+  const Plan plan = world.planner.plan(request);
+  ASSERT_TRUE(plan.ok()) << plan.sentence;
+  EXPECT_LT(plan.path.front().x(), 6.0);
+}
+
 TEST(DoorPlanner, AnswersBeforeAnyMapArrived) {
   const DoorPlanner planner{DoorPlannerConfig{}};
   EXPECT_EQ(planner.plan({}).status, PlanStatus::kNoMap);
@@ -129,6 +176,18 @@ TEST(DoorPlanner, StaysWhereItIsInformedOrSaysThatItCannot) {
   EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kBelowInformation);
   request.is_informed = [](const Vector2d& p) { return p.x() > 10.0; };
   EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kBelowInformation);
+}
+
+TEST(DoorPlanner, AsksForNoOtherWayWhenItsTimeIsOver) {
+  const World world(freeGround);
+  PlanRequest request;
+  request.start = {5.0, 8.0};
+  request.goal = {40.0, 8.0};
+  request.is_informed = [](const Vector2d& p) { return std::abs(p.x() - 22.0) > 4.0; };
+  // When it is asked again there was no way that is informed.
+  int asked = 0;
+  request.interrupted = [&] { return ++asked > 1 ? PlanStatus::kTimeout : PlanStatus::kOk; };
+  EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kTimeout);
 }
 
 TEST(DoorPlanner, KeepsHalfTheWidthAwayFromObstaclesAcrossSides) {
