@@ -18,6 +18,9 @@ constexpr double kIndexCell_m = 10.0;
 /// portals would fill the memory.
 constexpr std::int64_t kMostCells = 1 << 22;
 constexpr double kWidest_m = 1e4;
+/// Ratio of the longest to the shortest direction in a cell, about: so many steps, and as long
+/// ones, the search in it needs. New LTRs have angles of 0.01 at least, which make 200 of it.
+constexpr double kMostSheared = 256.0;
 /// The index keeps LTRs in a row by their numbers.
 constexpr int kMostLtrs = 1 << 22;
 /// Cells of other LTRs may be that much larger than an LTR's own.
@@ -33,8 +36,12 @@ bool isUsable(const LtrView& view) {
     if (!((corner - view.corners[0]).norm() <= 0.5 * kWidest_m)) return false;
   }
   const std::int64_t cells = std::int64_t{view.alpha_cells} * view.beta_cells;
-  return turn(view.corners[0], view.corners[1], view.corners[2]) > 1e-9 && view.alpha_cells > 0 &&
-         view.beta_cells > 0 && cells <= kMostCells;
+  if (!(turn(view.corners[0], view.corners[1], view.corners[2]) > 1e-9)) return false;
+  if (view.alpha_cells <= 0 || view.beta_cells <= 0 || cells > kMostCells) return false;
+  const Eigen::Matrix2d cell =
+      Triangle(view.corners).edges() *
+      Eigen::Vector2d(1.0 / view.alpha_cells, 1.0 / view.beta_cells).asDiagonal();
+  return cell.squaredNorm() <= kMostSheared * cell.determinant();
 }
 
 /// Of a stretch that does not cross the LTR from side to side.

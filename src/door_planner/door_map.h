@@ -32,7 +32,7 @@ class DoorMap {
   explicit DoorMap(const DoorPlannerConfig& config);
 
   /// All LTRs there are, with their present corners. Those without three corners apart, or
-  /// wider or of more cells than an LTR can be, are left out, and returned.
+  /// wider, narrower or of more cells than an LTR can be, are left out, and returned.
   std::vector<int> setLtrs(const std::vector<LtrView>& ltrs);
 
   /// All landmarks there are, whether they span LTRs or not. Costs are computed anew only where one

@@ -122,6 +122,28 @@ TEST(DoorPlanner, LeavesOutLtrsWiderThanTheyCanBe) {
   EXPECT_NE(world.plan({4.0, 9.0}, {14.0, 9.0}).status, PlanStatus::kCancelled);
 }
 
+TEST(DoorPlanner, LeavesOutLtrsThatAreNextToALine) {
+  World world(freeGround);
+  std::vector<LtrView> ltrs = world.mesh.ltrs;
+  LtrView& ltr = ltrs[0];
+  // As many cells as are 0.2 m wide, along the longest sides, with the third vertex between them.
+  ltr.corners = {Vector2d(0.0, 0.0), Vector2d(20.0, 0.0), Vector2d(10.0, 0.0)};
+  ltr.alpha_cells = 100;
+  ltr.beta_cells = 50;
+  for (const double height_m : {1e-4, 1e-3, 1e-2}) {
+    ltr.corners[2].y() = height_m;
+    EXPECT_EQ(world.planner.setLtrs(ltrs), std::vector<int>{ltr.id}) << height_m;
+  }
+  // 0.02 rad, the least that new LTRs can be made to have being 0.01.
+  ltr.corners[2].y() = 0.2;
+  EXPECT_TRUE(world.planner.setLtrs(ltrs).empty());
+  // A few cells that are long and narrow need as many steps.
+  ltr = world.mesh.ltrs[0];
+  ltr.alpha_cells = 1 << 20;
+  ltr.beta_cells = 1;
+  EXPECT_EQ(world.planner.setLtrs(ltrs), std::vector<int>{ltr.id});
+}
+
 TEST(DoorPlanner, LeavesOutLtrsOfSenselessNumbers) {
   World world(freeGround);
   for (const int number : {std::numeric_limits<int>::max(), -1, -7}) {
