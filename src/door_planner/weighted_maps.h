@@ -1,11 +1,13 @@
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <list>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,7 +29,8 @@ class WeightedMaps {
 
   /// Up to date, with `weights` (PathCostConfig::with) in place of those that are configured; null,
   /// with a status and a sentence in `refused`, if they cannot be used or it is interrupted. What
-  /// was computed before an interruption is kept.
+  /// was computed before an interruption is kept. Waits for a request that prepares the same, or
+  /// where as many sets as are kept are being prepared, but not when it is interrupted.
   std::shared_ptr<const DoorGraph> graphFor(const std::string& weights,
                                             const Eigen::Vector2d& place,
                                             const std::function<PlanStatus()>& interrupted,
@@ -40,6 +43,7 @@ class WeightedMaps {
  private:
   struct Variant {
     std::string weights;
+    bool is_taken = false;  ///< by a request, to which what follows belongs then
     DoorMap map;
     std::uint64_t version = 0;  ///< of the map that it was told of
     std::map<int, std::shared_ptr<const LtrContent>> contents;
@@ -47,8 +51,16 @@ class WeightedMaps {
 
     Variant(const std::string& of, const DoorPlannerConfig& config) : weights(of), map(config) {}
   };
-  Variant* find(const std::string& weights, Plan& refused);
-  void tell(Variant& variant);
+  using Interrupted = std::function<PlanStatus()>;
+
+  std::optional<DoorPlannerConfig> configFor(const std::string& weights, Plan& refused) const;
+  std::shared_ptr<Variant> findFree(const std::string& weights, const DoorPlannerConfig& config);
+  std::shared_ptr<Variant> take(const std::string& weights, const Interrupted& interrupted,
+                                Plan& refused);
+  void giveBack(Variant& variant);
+  PlanStatus tell(Variant& variant, const Interrupted& interrupted);
+  PlanStatus prepare(Variant& variant, const Eigen::Vector2d& place,
+                     const Interrupted& interrupted);
 
   DoorPlannerConfig config_;
   mutable std::mutex map_mutex_;  ///< over what follows
@@ -56,7 +68,8 @@ class WeightedMaps {
   std::vector<SolidLandmark> landmarks_;
   std::map<int, std::shared_ptr<const LtrContent>> contents_;
   std::uint64_t version_ = 1;
-  std::mutex variants_mutex_;
+  std::mutex variants_mutex_;                     ///< over what follows; held for moments only
+  std::condition_variable given_back_;            ///< a variant
   std::list<std::shared_ptr<Variant>> variants_;  ///< the last used first
 };
 

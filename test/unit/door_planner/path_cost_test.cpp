@@ -158,5 +158,70 @@ TEST(DoorPlanner, KeepsWhatItHasComputedForWeightsWhenItIsInterrupted) {
   EXPECT_TRUE(world.planner.plan(request).ok());
 }
 
+/// A request whose costs are being computed, and are as long as this lives, but for a minute.
+class HeldRequest {
+ public:
+  HeldRequest(const DoorPlanner& planner, PlanRequest request) {
+    request.interrupted = [this] {
+      if (!std::exchange(is_inside_, true)) inside_.set_value();
+      const auto status = released_.wait_for(std::chrono::minutes(1));
+      gave_up_ = gave_up_ || status == std::future_status::timeout;
+      return PlanStatus::kOk;
+    };
+    thread_ = std::thread([&planner, request] { planner.plan(request); });
+    inside_.get_future().wait();
+  }
+  ~HeldRequest() {
+    release_.set_value();
+    thread_.join();
+    EXPECT_FALSE(gave_up_) << "another request waited for it";
+  }
+
+ private:
+  std::promise<void> inside_, release_;
+  std::shared_future<void> released_ = release_.get_future().share();
+  bool is_inside_ = false, gave_up_ = false;
+  std::thread thread_;
+};
+
+TEST(DoorPlanner, WaitsForWeightsThatAnotherRequestPreparesUntilItIsInterrupted) {
+  const World world(freeGround);
+  PlanRequest request;
+  request.start = {5.0, 5.0};
+  request.goal = {43.0, 43.0};
+  request.weights = "unknown 5";
+  {
+    const HeldRequest held(world.planner, request);
+    request.interrupted = [] { return PlanStatus::kTimeout; };
+    EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kTimeout);
+    request.interrupted = [] { return PlanStatus::kCancelled; };
+    EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kCancelled);
+  }
+  request.interrupted = nullptr;
+  EXPECT_TRUE(world.planner.plan(request).ok());
+}
+
+TEST(DoorPlanner, PreparesTwoSetsOfWeightsAtOnceAndNoMore) {
+  const World world(freeGround);
+  PlanRequest request;
+  request.start = {5.0, 5.0};
+  request.goal = {43.0, 43.0};
+  request.weights = "unknown 5";
+  {
+    const HeldRequest held(world.planner, request);
+    request.weights = "unknown 6";
+    EXPECT_TRUE(world.planner.plan(request).ok());
+    const HeldRequest other(world.planner, [&] {
+      PlanRequest third = request;
+      third.weights = "unknown 7";
+      return third;
+    }());
+    request.interrupted = [] { return PlanStatus::kTimeout; };
+    EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kTimeout);
+  }
+  request.interrupted = nullptr;
+  EXPECT_TRUE(world.planner.plan(request).ok());
+}
+
 }  // namespace
 }  // namespace hymm::core
