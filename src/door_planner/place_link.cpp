@@ -39,7 +39,8 @@ PlaceLink::PlaceLink(const DoorGraph& graph, const GraphPlace& place,
     ways.pop_back();
     if (direct.exists() && !admitsAll(graph, place.ltr, direct.points, admits)) direct = {};
   }
-  close(graph, place.ltr, direction);
+  // What is not admitted must not take the place of what is.
+  if (!admits) close(graph, place.ltr, direction);
   for (LocalPath& way : ways) {
     if (way.exists() && !admitsAll(graph, place.ltr, way.points, admits)) way = {};
   }

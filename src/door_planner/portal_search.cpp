@@ -158,11 +158,12 @@ void PortalSearch::spreadAcross(int portal, int side, std::size_t end, int distr
 
 // The way to a portal came through one of its LTRs, or the district it lies in; on through the same
 // it would be no cheaper than straight there, because cost matrices obey the triangle inequality.
-// So it goes on through the other.
+// So it goes on through the other; through both where the way straight there may not be admitted.
 void PortalSearch::expand(int number, int portal) {
   const SearchSide& side = graph_->searchSide(number);
   const Label& label = labels_[std::size_t(portal)];
   const std::size_t end = 1 - label.end();
+  if (scope_.admits) spread(portal, side.ltrs[label.end()], label.cost);
   const int through = side.ltrs[end];
   const float reached = label.cost + graph_->crossing(side, portal - side.first_portal, end);
   if (scope_.districts != nullptr) {

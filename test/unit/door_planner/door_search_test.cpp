@@ -159,6 +159,39 @@ TEST(DoorSearch, IsOptimalOverTheDoorGraphWithDistrictsAndWithout) {
   EXPECT_GT(crossed, 0U) << "no district was crossed at once";
 }
 
+TEST(PortalSearch, IsOptimalOverTheWaysThatAreAdmitted) {
+  PortalSearch search;
+  int reached = 0, dearer = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const World world(discs(seed, 15, 48.0, {}));
+    const std::shared_ptr<const DoorGraph> graph = world.planner.graph();
+    const Occupancy shunned = discs(seed + 100, 25, 48.0, {});
+    PortalSearch::Scope scope;
+    scope.graph = graph.get();
+    scope.admits = [&](const Vector2d& place) { return shunned(place) < 0.5F; };
+    for (int from = 0; from < graph->portalCount(); from += 41) {
+      if (!scope.admits(graph->placeOf(from))) continue;
+      const int ltr = graph->side(graph->sideOf(from)).ltrs[0];
+      const std::vector<double> cheapest = cheapestAlongPortals(*graph, from, ltr, scope.admits);
+      const std::vector<double> anyhow = cheapestAlongPortals(*graph, from, ltr);
+      search.begin(scope, nullptr, nullptr);
+      search.offerFrom(from, ltr);
+      search.run();
+      for (int to = 0; to < graph->portalCount(); ++to) {
+        const double expected =
+            std::min(cheapest[2 * std::size_t(to)], cheapest[2 * std::size_t(to) + 1]);
+        if (!(expected < kNoPassing)) continue;
+        EXPECT_NEAR(static_cast<double>(search.costTo(to)), expected, 1e-5 * expected + 1e-4)
+            << "seed " << seed << ", from " << from << " to " << to;
+        ++reached;
+        dearer += expected > 1.001 * anyhow[2 * std::size_t(to)] ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(reached, 500);
+  EXPECT_GT(dearer, 100) << "what is not admitted stands in no way's way";
+}
+
 TEST(DoorSearch, IsOptimalWhereSomeLtrsAreAThousandMillionTimesDearer) {
   DoorPlannerConfig config;
   config.cost.unknown = PathCostConfig::kDearest;
