@@ -1,6 +1,7 @@
 #include "nodes/playback_node.h"
 
 #include <algorithm>
+#include <iomanip>
 #include <sstream>
 #include <stdexcept>
 
@@ -17,6 +18,8 @@ constexpr double kSettle_s = 1.0;     // within which a node that begins subscri
 constexpr double kConnect_s = 20.0;   // a publisher that does not answer by then is gone
 constexpr double kSilence_s = 2.0;    // rosbag repeats /clock at 10 Hz or more, paused or not
 constexpr double kAdvertise_s = 5.0;  // from when the player lives to when it tells its topics
+// A player that lags behind, on a busy machine, sends its last messages without a word of /clock.
+constexpr double kUnheard_s = 2.0;
 constexpr double kPoll_s = 0.1;
 constexpr double kTell_s = 1.0;  // between two diagnoses
 
@@ -35,7 +38,8 @@ PlaybackNode::PlaybackNode(const PlaybackConfig& config) : config_(config) {
         handle_, topic, queue,
         [&last_s](const boost::shared_ptr<const Message>&) { last_s = steadyNow(); });
   };
-  clock_ = listen("/clock", 10, clock_wall_s_, rosgraph_msgs::Clock());
+  clock_ = traffic_.subscribe(handle_, "/clock", 10, &PlaybackNode::takeClock, this,
+                              ros::TransportHints());
   grid_ = listen("grid_status", 1000, result_wall_s_, GridStatus());
   health_ = listen("cekf/health", 1000, result_wall_s_, FilterHealth());
   diagnostics_.setHardwareID("none");
@@ -44,10 +48,33 @@ PlaybackNode::PlaybackNode(const PlaybackConfig& config) : config_(config) {
 }
 
 void PlaybackNode::run() {
-  if (!config_.bag.empty()) checkBag(config_.bag);
+  lookIntoBag();
   waitForAll();
   startPlayer();
   waitForEnd();
+}
+
+void PlaybackNode::lookIntoBag() {
+  if (config_.bag.empty()) return;
+  checkBag(config_.bag);
+  if (config_.bag.find_first_of("\"\\") != std::string::npos) {
+    throw core::InputError(config_.bag +
+                           ": a quote or a backslash in the name of a bag cannot be handed to the "
+                           "player; rename it, or its folder.");
+  }
+  const std::optional<PlayerArguments> arguments = parsePlayerArguments(config_.play_args);
+  if (arguments && !arguments->loops) span_ = playedSpan(config_.bag, *arguments);
+}
+
+void PlaybackNode::takeClock(const rosgraph_msgs::Clock& message) {
+  const double now_s = message.clock.toSec();
+  const double now_wall_s = steadyNow();
+  if (clock_s_ && now_s > *clock_s_) {
+    played_s_ += now_s - *clock_s_;
+    played_wall_s_ += now_wall_s - clock_wall_s_;
+  }
+  clock_s_ = now_s;
+  clock_wall_s_ = now_wall_s;
 }
 
 /// Topics may be renamed, one of them from "dead_reckoning"; nodes are not.
@@ -173,7 +200,27 @@ void PlaybackNode::waitForEnd() {
     if (steadyNow() - newest_s > kSilence_s) break;
     pause();
   }
-  if (ros::ok()) ROS_INFO("The recording has ended, and all of it is processed.");
+  if (!ros::ok()) return;
+  requireEnd();
+  if (span_) {
+    ROS_INFO("The recording has ended, and all of it is processed.");
+  } else {
+    ROS_INFO("The player has ended, and all that it played is processed.");
+  }
+}
+
+/// A player that fails, or that a user stops, falls silent as one does that has played it all.
+void PlaybackNode::requireEnd() const {
+  if (!span_) return;
+  const double rate = played_wall_s_ > 0.0 ? played_s_ / played_wall_s_ : 1.0;
+  const double reached_s = clock_s_.value_or(span_->begin_s);
+  if (reached_s >= span_->end_s - rate * kUnheard_s) return;
+  std::ostringstream sentence;
+  sentence << std::fixed << std::setprecision(1)
+           << "the recording is not played to its end: the player ended at "
+           << reached_s - span_->begin_s << " s of " << span_->end_s - span_->begin_s
+           << " s, because it failed or was stopped. What it played is processed.";
+  throw std::runtime_error(sentence.str());
 }
 
 /// Between two looks.

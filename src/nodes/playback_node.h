@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <rosgraph_msgs/Clock.h>
 
 #include "nodes/playback_config.h"
+#include "ros/player_arguments.h"
 #include "ros/traffic_meter.h"
 
 namespace hymm {
@@ -30,19 +32,26 @@ class PlaybackNode {
  private:
   std::string nodeName(const std::string& name) const;
   std::string missing() const;
+  void lookIntoBag();
+  void takeClock(const rosgraph_msgs::Clock& message);
   void waitForAll();
   void waitForLinks();
   void startPlayer();
   std::string silentSensors() const;
   void requireSensors() const;
   void waitForEnd();
+  void requireEnd() const;
   void pause();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   PlaybackConfig config_;
   std::vector<std::string> listeners_;
-  double clock_wall_s_ = 0.0;   ///< when /clock last came
-  double result_wall_s_ = 0.0;  ///< when the filter, or what follows it, last answered
+  std::optional<PlayedSpan> span_;  ///< of stamps that are to be played; not known where it loops
+  double clock_wall_s_ = 0.0;       ///< when /clock last came
+  std::optional<double> clock_s_;   ///< what it said
+  double played_s_ = 0.0;           ///< by /clock
+  double played_wall_s_ = 0.0;      ///< what that took, pauses left out
+  double result_wall_s_ = 0.0;      ///< when the filter, or what follows it, last answered
   ros::NodeHandle handle_;
   ros::Subscriber clock_, health_, grid_;
   TrafficMeter traffic_;

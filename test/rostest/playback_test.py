@@ -5,6 +5,8 @@ import contextlib
 import csv
 import json
 import os
+import re
+import signal
 import socket
 import subprocess
 import tempfile
@@ -102,6 +104,36 @@ class Playback(unittest.TestCase):
         told = self.play(bag, config, "scan_topic:=/front/scan").stdout
         self.assertIn("nobody publishes /front/scan (for cekf_slam)", told)
         self.assertIn("/scan (sensor_msgs/LaserScan)", told)
+
+    def test_player_that_dies_on_the_way_is_not_the_end(self):
+        port = free_port()
+        environment = {**os.environ, "ROS_MASTER_URI": f"http://localhost:{port}",
+                       "ROS_HOME": str(self.path / "ros"), "ROSCONSOLE_STDOUT_LINE_BUFFERED": "1"}
+        launch = subprocess.Popen(
+            ["roslaunch", "--port", port, "hymm", "playback.launch", f"bag:={ROOT / 'bags/car_park.bag'}",
+             f"config:={ROOT / 'config/datasets/car_park.yaml'}"],
+            env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.addCleanup(launch.stdout.close)
+        player, told = None, ""
+        for line in launch.stdout:
+            told += line
+            started = re.search(r"process\[player-\d+\]: started with pid \[(\d+)\]", line)
+            player = int(started[1]) if started else player
+            if "Playing." in line:
+                os.kill(player, signal.SIGKILL)
+        launch.wait()
+        self.assertRegex(told, r"not played to its end: the player ended at \d+\.\d s of 178\.\d s")
+        self.assertNotIn("all of it is processed", told)
+
+    def test_part_of_a_bag_that_the_user_chose_is_played_to_its_end(self):
+        config = ROOT / "config" / "datasets" / "car_park.yaml"
+        bag = self.path / "a drive.bag"
+        bag.symlink_to(ROOT / "bags" / "car_park.bag")
+        told = self.play(bag, config, "play_args:=-s 20 -u 15").stdout
+        self.assertIn("all of it is processed", told)
+        stamps = [float(row[0]) for row in read_table(self.path / "live" / "trajectory.tum", " ")]
+        self.assertGreater(stamps[-1] - stamps[0], 10.0)
+        self.assertLess(stamps[-1] - stamps[0], 15.1)
 
     def expect_equal_results(self, scans):
         live, offline = (json.loads((self.path / kind / "summary.json").read_text())
