@@ -1,12 +1,12 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include "common/pose2.h"
+#include "ros/odom_correction.h"
 #include "vehicle/vehicle_config.h"
 
 namespace hymm {
@@ -27,25 +27,12 @@ class MapOdomBroadcaster {
   void reset();
 
   /// Why map -> odom does not follow the filter; empty if it does.
-  const std::string& problem() const { return problem_; }
+  std::string problem() const;
 
  private:
-  struct Pose {
-    ros::Time stamp;
-    core::Pose2 T_map_base;
-    double since_s;
-  };
-
-  void tryUpdate(double steady_now_s);
-
-  const tf2_ros::Buffer& tf_;
   core::VehicleConfig vehicle_;
-  double wait_s_;
-  std::optional<Pose> pending_;
-  std::optional<core::Pose2> T_map_odom_;
-  ros::Time pose_stamp_;
+  OdomCorrection correction_;
   ros::Time sent_stamp_;
-  std::string problem_;
   tf2_ros::TransformBroadcaster broadcaster_;
 };
 
