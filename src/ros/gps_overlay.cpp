@@ -1,5 +1,6 @@
 #include "ros/gps_overlay.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "ros/time_conversions.h"
@@ -11,6 +12,9 @@ namespace {
 constexpr std::size_t kFewestFixes = 3;
 constexpr std::size_t kMostFixes = 20000;  // as many as the supervisor keeps poses
 constexpr double kPosesKept_s = 5.0;       // a fix may come that much later than the pose after it
+constexpr std::size_t kMostWaiting = 1000;
+// Fixes come in order up to this. Beyond the stamp of one that comes later, others were stray.
+constexpr double kOutOfOrder_s = 1.0;
 constexpr float kPointSize_m = 0.7F;
 constexpr double kHeight_m = 0.15;  // above the trajectory, seen from above
 
@@ -27,8 +31,15 @@ void GpsOverlay::addPose(double time_s, const core::Pose2& T_map_base) {
 
 void GpsOverlay::addFix(const sensor_msgs::NavSatFix& message) {
   const GpsConverter::Answer answer = converter_.convert(message);
-  if (!answer.fix || !gate_.keep(answer.fix->time_s, answer.fix->position)) return;
-  waiting_.push_back(*answer.fix);
+  if (!answer.fix) return;
+  const auto is_later = [](double time_s, const core::GpsFix& fix) { return time_s < fix.time_s; };
+  const double time_s = answer.fix->time_s;
+  waiting_.erase(
+      std::upper_bound(waiting_.begin(), waiting_.end(), time_s + kOutOfOrder_s, is_later),
+      waiting_.end());
+  waiting_.insert(std::upper_bound(waiting_.begin(), waiting_.end(), time_s, is_later),
+                  *answer.fix);
+  if (waiting_.size() > kMostWaiting) waiting_.pop_back();
   compareWaiting();
 }
 
@@ -36,6 +47,7 @@ void GpsOverlay::compareWaiting() {
   while (!waiting_.empty() && !poses_.empty() && waiting_.front().time_s <= poses_.back().time_s) {
     const core::GpsFix fix = waiting_.front();
     waiting_.pop_front();
+    if (!gate_.keep(fix.time_s, fix.position)) continue;
     const std::optional<core::Pose2> T_map_base = core::poseAt(poses_, fix.time_s);
     if (!T_map_base) continue;
     alignment_.add(fix.position, *T_map_base * antenna_);

@@ -29,7 +29,8 @@ class GpsOverlay {
   void addPose(double time_s, const core::Pose2& T_map_base);
 
   /// Fixes in order of time, before or a little after the poses around them. Fixes that cannot be
-  /// used or that the vehicle cannot have reached are left out.
+  /// used, that the vehicle cannot have reached, or that are stamped far ahead of the next are left
+  /// out.
   void addFix(const sensor_msgs::NavSatFix& message);
 
   /// Fixes that have a place in the map.
@@ -49,7 +50,7 @@ class GpsOverlay {
   GpsConverter converter_;
   core::FixGate gate_;
   std::deque<core::StampedPose> poses_;  ///< of the last seconds
-  std::deque<core::GpsFix> waiting_;     ///< for a pose at or past their stamp
+  std::deque<core::GpsFix> waiting_;     ///< for a pose at or past their stamp, by time
   core::RigidAlignment alignment_;       ///< of fixes (from) to antenna places in the map (to)
   std::deque<Eigen::Vector2d> fixes_;    ///< compared ones, east-north [m]; the newest
   double time_s_ = 0.0;

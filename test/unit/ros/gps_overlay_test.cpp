@@ -130,6 +130,25 @@ TEST_F(GpsOverlayTest, AFixMayComeLaterThanThePosesAroundIt) {
   expectPointsAt({0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
 }
 
+TEST_F(GpsOverlayTest, AFixFarAheadDoesNotHoldUpThoseAfterIt) {
+  for (int second = 0; second <= 12; ++second) {
+    overlay_.addFix(second == 6 ? fixAt(106, kT_gps_map * antennaAt(6)) : trueFix(second));
+    overlay_.addPose(second, poseAt(second));
+  }
+  expectPointsAt({0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12});
+}
+
+TEST_F(GpsOverlayTest, KeepsAThousandFixesOfAClockFarAhead) {
+  for (int second = 0; second <= 3000; ++second) {
+    overlay_.addFix(fixAt(second + 1e6, {0.0, 0.0}));
+    overlay_.addPose(second, poseAt(second));
+  }
+  for (int second = 0; second <= 3000; ++second) {
+    overlay_.addPose(1e6 + second, {0.0, 0.0, 0.0});
+  }
+  EXPECT_EQ(overlay_.count(), 1000u);
+}
+
 TEST_F(GpsOverlayTest, ForgetsEverythingWhenAnotherMapBegins) {
   for (int second = 0; second <= 12; ++second) {
     overlay_.addFix(trueFix(second));
