@@ -111,7 +111,11 @@ void CekfSlamNode::readBacklog() {
     } else {
       EventReader::Answer answer = reader_.read(message, now_s);
       if (answer.waiting) return;
-      if (answer.event) take(message, std::move(*answer.event), now_s);
+      if (answer.event) {
+        take(message, std::move(*answer.event), now_s);
+      } else if (isScan(message)) {
+        ++unreadable_scans_;
+      }
     }
     backlog_.pop_front();
   }
@@ -121,10 +125,10 @@ void CekfSlamNode::take(const SensorMessage& message, core::SensorEvent event, d
   if (isScan(message)) scan_headers_.remember(headerOf(message));
   const std::size_t late = merger_.counts().out_of_order;
   merger_.push(std::move(event), now_s);
-  if (merger_.counts().out_of_order > late) {
-    if (isScan(message)) ++late_scans_;
+  for (std::size_t i = late; i < merger_.counts().out_of_order; ++i) {
     causes_.count("out of order",
-                  "A message is older than what the filter has used; it is dropped.");
+                  "A message is older than what the filter has used, or its stamp is far from "
+                  "those around it; it is dropped.");
   }
   for (const core::SensorEvent& ready : merger_.popReady(now_s)) process(ready);
 }
@@ -155,7 +159,7 @@ void CekfSlamNode::forgetRecording() {
 }
 
 std::size_t CekfSlamNode::droppedScans() const {
-  return queue_.counts().dropped_scans + late_scans_;
+  return queue_.counts().dropped_scans + merger_.counts().dropped_scans + unreadable_scans_;
 }
 
 /// The vertices of the dense map's triangles must stay.

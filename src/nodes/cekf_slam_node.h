@@ -82,7 +82,7 @@ class CekfSlamNode {
   std::deque<SensorMessage> backlog_;  ///< taken from the queue, not yet read
   ScanHeaders scan_headers_;
   bool paused_ = false;
-  std::size_t late_scans_ = 0;  ///< came after the filter had gone on
+  std::size_t unreadable_scans_ = 0;  ///< without a stamp, of an unknown frame, no scan at all
   double last_scan_wall_s_ = 0.0;
   double worst_latency_ms_ = 0.0;  ///< since the last diagnosis
   core::FilterHealth health_;

@@ -12,7 +12,10 @@ constexpr std::uint32_t kQueue = 10000;
 
 DeadReckoningNode::DeadReckoningNode(const core::DeadReckoningConfig& config,
                                      const core::VehicleConfig& vehicle)
-    : config_(config), vehicle_(vehicle), dead_reckoning_(vehicle) {
+    : config_(config),
+      vehicle_(vehicle),
+      dead_reckoning_(vehicle),
+      jump_filter_(config.clock_jump_s, config.clock_jump_messages) {
   publisher_ = handle_.advertise<nav_msgs::Odometry>("odom", kQueue);
   subscriber_ = traffic_.subscribe(handle_, "dead_reckoning", kQueue, &DeadReckoningNode::take,
                                    this, ros::TransportHints().tcpNoDelay());
@@ -25,11 +28,22 @@ DeadReckoningNode::DeadReckoningNode(const core::DeadReckoningConfig& config,
 }
 
 void DeadReckoningNode::take(const DeadReckoning& message) {
-  if (isJumpBack(message)) {
+  const std::size_t strays = jump_filter_.strays();
+  const auto [ran_back, believed] = jump_filter_.push({message.header.stamp.toSec(), message});
+  for (std::size_t i = strays; i < jump_filter_.strays(); ++i) {
+    causes_.count("stray",
+                  "A dead_reckoning message has a stamp far from those around it; it is "
+                  "not used.");
+  }
+  if (ran_back) {
     ROS_WARN("The time stamps ran back: dead reckoning begins anew at the origin.");
     dead_reckoning_.reset();
     ++jumps_;
   }
+  for (const Stamped& stamped : believed) process(stamped.message);
+}
+
+void DeadReckoningNode::process(const DeadReckoning& message) {
   if (dead_reckoning_.process(fromMessage(message))) {
     publish(message.header.stamp);
   } else {
@@ -37,14 +51,6 @@ void DeadReckoningNode::take(const DeadReckoning& message) {
                   "A dead_reckoning message has values that are not finite, or is not later than "
                   "the one before it; it is refused.");
   }
-}
-
-bool DeadReckoningNode::isJumpBack(const DeadReckoning& message) {
-  const bool past = message.header.stamp.toSec() < dead_reckoning_.time_s() - config_.clock_jump_s;
-  messages_from_the_past_ = past ? messages_from_the_past_ + 1 : 0;
-  if (messages_from_the_past_ < config_.clock_jump_messages) return false;
-  messages_from_the_past_ = 0;
-  return true;
 }
 
 void DeadReckoningNode::publish(const ros::Time& stamp) {

@@ -7,6 +7,7 @@
 #include <tf2_ros/transform_broadcaster.h>
 
 #include "common/config.h"
+#include "common/jump_filter.h"
 #include "ros/cause_log.h"
 #include "ros/traffic_meter.h"
 #include "vehicle/dead_reckoning.h"
@@ -20,8 +21,13 @@ class DeadReckoningNode {
   DeadReckoningNode(const core::DeadReckoningConfig& config, const core::VehicleConfig& vehicle);
 
  private:
+  struct Stamped {
+    double time_s;
+    DeadReckoning message;
+  };
+
   void take(const DeadReckoning& message);
-  bool isJumpBack(const DeadReckoning& message);
+  void process(const DeadReckoning& message);
   void publish(const ros::Time& stamp);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -30,7 +36,7 @@ class DeadReckoningNode {
   core::DeadReckoning dead_reckoning_;
   CauseLog causes_;
   TrafficMeter traffic_;
-  int messages_from_the_past_ = 0;
+  core::JumpFilter<Stamped> jump_filter_;
   std::size_t jumps_ = 0;
 
   ros::NodeHandle handle_;

@@ -19,7 +19,8 @@ class FilterOutput {
   FilterOutput(ros::NodeHandle handle, const core::CekfSlamConfig& config, std::string map_frame);
 
   /// After an accepted scan. `scan`: header of the message it came in; its stamp is passed on as it
-  /// is, for whoever pairs the scan with the pose. `dropped_scans`: lost on their way so far.
+  /// is, for whoever pairs the scan with the pose. `dropped_scans`: that did not reach
+  /// the filter so far.
   void publish(core::CekfSlam& filter, const core::ScanOutcome& outcome,
                const std_msgs::Header& scan, std::size_t dropped_scans);
 

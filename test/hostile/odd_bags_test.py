@@ -121,6 +121,39 @@ class OddBags(unittest.TestCase):
         self.expect_results(self.stamped(
             lambda index, topic, s: s + 3600.0 if topic.strip("/") == "scan" else s))
 
+    def scans(self):
+        return sum(topic.strip("/") == "scan" for topic, _, _ in self.drive)
+
+    def expect_scans_but(self, dropped, change):
+        summary, said = self.expect_results(self.stamped(change))
+        self.assertEqual(summary["dropped_scans"], dropped, said)
+        self.assertEqual(summary["scans"], self.scans() - dropped, said)
+        self.assertEqual(summary["resets"], 0, said)
+        self.assertGreater(summary["landmarks"], 10)
+
+    def one_ahead(self, name, at_s, by_s):
+        """Of the messages on a topic, the first after `at_s` of the drive has its stamp `by_s` too late."""
+        begin = self.drive[0][2].to_sec()
+        chosen = next(i for i, (topic, _, time) in enumerate(self.drive)
+                      if topic.strip("/") == name and time.to_sec() > begin + at_s)
+        return lambda index, topic, s: s + by_s if index == chosen else s
+
+    def test_gps_clock_ahead_takes_no_scan(self):
+        self.assertTrue(any(topic.strip("/") == "gps/fix" for topic, _, _ in self.drive))
+        for by_s in (5.0, 3600.0):
+            with self.subTest(by_s=by_s):
+                self.expect_scans_but(0, lambda index, topic, s: s + by_s if topic.strip("/") == "gps/fix" else s)
+
+    def test_one_scan_ahead_is_the_one_that_is_dropped(self):
+        self.expect_scans_but(1, self.one_ahead("scan", 15.0, 100.0))
+
+    def test_one_motion_input_ahead_takes_no_scan(self):
+        self.expect_scans_but(0, self.one_ahead("dead_reckoning", 15.0, 100.0))
+
+    def test_gap_of_an_hour_in_all_stamps_takes_no_scan(self):
+        half = len(self.drive) // 2
+        self.expect_scans_but(0, lambda index, topic, s: s if index < half else s + 3600.0)
+
     def test_stamps_in_random_order_within_half_a_second(self):
         import random
         draw = random.Random(1)
