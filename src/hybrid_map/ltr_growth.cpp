@@ -54,12 +54,46 @@ bool LtrGrowth::canSpan(int landmark) const {
   return mesh_.locate(estimate.position) == kNone;
 }
 
-std::vector<int> LtrGrowth::neighboursOf(int seed) const {
+/// Of the landmarks in reach of the seeds the vertices that are there, and by age all others that
+/// are no nearer to one of these, and to each other, than min_side_m. In a dense stand there is one
+/// in any circle of that radius, so that their Delaunay triangles have sides of one to two times
+/// min_side_m and no angle below 30 degrees. Triangles of whatever landmarks are far enough apart
+/// seldom have sides in common, and block each other.
+LtrGrowth::Subset LtrGrowth::standingApart(const std::vector<int>& seeds) const {
+  Subset in_reach(map_.landmarks.size(), false), subset = in_reach;
+  for (const int seed : seeds) {
+    for (const int other :
+         index_.near(map_.landmarks[std::size_t(seed)].position, config_.max_side_m)) {
+      in_reach[std::size_t(other)] = true;
+    }
+  }
+  LandmarkIndex taken;
+  const auto hasRoom = [&](const Eigen::Vector2d& place) {
+    const std::vector<int> near = taken.near(place, config_.min_side_m);
+    return std::none_of(near.begin(), near.end(), [&](int other) {
+      return (map_.landmarks[std::size_t(other)].position - place).norm() < config_.min_side_m;
+    });
+  };
+  for (const bool takes_vertices : {true, false}) {
+    for (std::size_t i = 0; i < map_.landmarks.size(); ++i) {
+      const LandmarkEstimate& landmark = map_.landmarks[i];
+      const bool is_vertex = mesh_.findVertex(landmark.id) != kNone;
+      if (!in_reach[i] || is_vertex != takes_vertices || !canSpan(static_cast<int>(i))) continue;
+      if (!is_vertex && !hasRoom(landmark.position)) continue;
+      subset[i] = true;
+      taken.place(static_cast<int>(i), landmark.position);
+    }
+  }
+  return subset;
+}
+
+std::vector<int> LtrGrowth::neighboursOf(int seed, const Subset& subset) const {
   const Eigen::Vector2d& centre = map_.landmarks[std::size_t(seed)].position;
   std::vector<std::pair<double, int>> near;
   for (const int other : index_.near(centre, config_.max_side_m)) {
     const double distance = (map_.landmarks[std::size_t(other)].position - centre).norm();
-    if (other != seed && distance <= config_.max_side_m && canSpan(other)) {
+    const bool is_near = other != seed && distance <= config_.max_side_m;
+    if (is_near && subset[std::size_t(other)] && canSpan(other)) {
       near.emplace_back(distance, other);
     }
   }
@@ -177,11 +211,12 @@ int LtrGrowth::attach(std::array<int, 3> landmarks) {
 }
 
 std::vector<int> LtrGrowth::growAround(const std::vector<int>& seeds) {
+  const Subset subset = standingApart(seeds);
   std::vector<Candidate> candidates;
   std::unordered_set<int> ids;
   for (const int seed : seeds) {
-    if (!canSpan(seed)) continue;
-    const std::vector<int> neighbours = neighboursOf(seed);
+    if (!subset[std::size_t(seed)] || !canSpan(seed)) continue;
+    const std::vector<int> neighbours = neighboursOf(seed, subset);
     addCandidates(seed, neighbours, candidates);
     ids.insert(map_.landmarks[std::size_t(seed)].id);
     for (const int other : neighbours) ids.insert(map_.landmarks[std::size_t(other)].id);

@@ -22,7 +22,8 @@ class LtrGrowth {
 
   /// Adds LTRs that have one of `seeds` (indices into the map's landmarks) as a vertex. Of all that
   /// could be made, those come first whose circumcircles are empty of other landmarks (Delaunay),
-  /// and then those with the larger smallest angle; thin ones come last. Returns the new LTRs.
+  /// and then those with the larger smallest angle; thin ones come last. Where landmarks stand
+  /// closer than sides may be, only some that stand apart are used. Returns the new LTRs.
   std::vector<int> growAround(const std::vector<int>& seeds);
 
  private:
@@ -35,8 +36,12 @@ class LtrGrowth {
     bool operator<(const Candidate& other) const;
   };
 
+  /// By index into the map's landmarks.
+  using Subset = std::vector<bool>;
+
   bool canSpan(int landmark) const;
-  std::vector<int> neighboursOf(int seed) const;
+  Subset standingApart(const std::vector<int>& seeds) const;
+  std::vector<int> neighboursOf(int seed, const Subset& subset) const;
   void addCandidates(int seed, const std::vector<int>& neighbours,
                      std::vector<Candidate>& candidates) const;
   std::optional<Candidate> candidateOf(const std::array<int, 3>& landmarks,

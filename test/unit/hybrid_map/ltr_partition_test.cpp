@@ -39,6 +39,37 @@ TEST(LtrPartition, CoversTheHullOfLandmarksThatLieWell) {
   EXPECT_GT(area(partition.mesh()), 0.93 * 110.0 * 70.0);
 }
 
+TEST(LtrPartition, CoversLandmarksThatStandCloserThanItsSidesMayBe) {
+  for (const double spacing_m : {0.55, 0.7, 1.0, 1.5, 2.0}) {
+    RandomGenerator generator(11);
+    const int edge = static_cast<int>(20.0 / spacing_m);
+    const LandmarkMap map = jitteredGrid(edge, edge, spacing_m, generator);
+    const LtrPartition partition = partitionOf(map);
+    EXPECT_EQ(brokenInvariant(partition, map), "");
+    // A border as wide as half of the shortest side need not be covered.
+    const double covered_m = (edge - 1) * spacing_m - PartitionConfig().min_side_m;
+    EXPECT_GT(area(partition.mesh()), covered_m * covered_m) << spacing_m;
+  }
+}
+
+TEST(LtrPartition, CoversADenseStandThatComesToBeKnownByAndBy) {
+  RandomGenerator generator(12);
+  const LandmarkMap all = jitteredGrid(20, 20, 1.0, generator);
+  LtrPartition partition{PartitionConfig{}};
+  LandmarkMap known = all;
+  for (double front_m = 3.0; front_m < 23.0; front_m += 1.5) {
+    known = LandmarkMap{};
+    known.version = all.version;
+    for (const LandmarkEstimate& landmark : all.landmarks) {
+      if (landmark.position.x() < front_m) known.landmarks.push_back(landmark);
+    }
+    correlate(known);
+    partition.apply(known);
+    ASSERT_EQ(brokenInvariant(partition, known), "");
+  }
+  EXPECT_GT(area(partition.mesh()), 17.0 * 17.0);
+}
+
 TEST(LtrPartition, MakesDelaunayTrianglesOfLandmarksThatComeAtOnce) {
   RandomGenerator generator(4);
   const LandmarkMap map = jitteredGrid(8, 8, 10.0, generator);
