@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "ros/filter_conversions.h"
 #include "ros/grid_conversions.h"
 #include "ros/map_conversions.h"
 #include "ros/pose_conversions.h"
@@ -41,6 +42,7 @@ DoorPlannerNode::DoorPlannerNode(const core::DoorPlannerConfig& config,
   listen(handle_, "ltrs", 2, &DoorPlannerNode::takeLtrs);
   listen(handle_, "ltr_grids", kQueue, &DoorPlannerNode::takeGrid);
   listen(handle_, "pose", 10, &DoorPlannerNode::takePose);
+  listen(handle_, "cekf/pose", kQueue, &DoorPlannerNode::takeFilterPose);
   listen(handle_, "level_sets", 16, &DoorPlannerNode::takeLevelSet);
   listen(request_handle_, "move_base_simple/goal", 2, &DoorPlannerNode::takeGoal);
   services_ = {request_handle_.advertiseService("plan_path", &DoorPlannerNode::planPath, this),
@@ -86,15 +88,45 @@ bool DoorPlannerNode::isOurFrame(const std::string& frame, const std::string& to
 void DoorPlannerNode::takeMap(const LandmarkMap& message) {
   if (!isOurFrame(message.header.frame_id, "landmarks")) return;
   const std::lock_guard<std::mutex> lock(mutex_);
-  const core::LandmarkMap map = fromMessage(message);
-  if (map.version < mirror_.map().version) live_.reset();
-  mirror_.take(map);
+  mirror_.take(fromMessage(message));
+  listenForRestart();
   follow(mirror_.map());
 }
 
 void DoorPlannerNode::takeUpdate(const LandmarkUpdate& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (mirror_.take(fromMessage(message))) follow(mirror_.map());
+  const bool is_whole = mirror_.take(fromMessage(message));
+  listenForRestart();
+  if (is_whole) follow(mirror_.map());
+}
+
+/// The filter's own: it tells of maps that the same filter begins anew or loads, too.
+void DoorPlannerNode::takeFilterPose(const FilterPose& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  mirror_.hear(message.map_version);
+  if (filter_.take(countersOf(message)) == core::FilterCourse::kNewMap) beginMap();
+  listenForRestart();
+}
+
+void DoorPlannerNode::listenForRestart() {
+  if (mirror_.restarts() == filter_restarts_) return;
+  filter_restarts_ = mirror_.restarts();
+  beginMap();
+  follow(mirror_.map());
+}
+
+/// The plan ends with its map: else it would be moved along with other landmarks of the same ids.
+void DoorPlannerNode::beginMap() {
+  ++maps_begun_;
+  if (!live_) return;
+  live_.reset();
+  ROS_WARN("The map begins anew; the plan in the one before is given up.");
+  plan_publisher_.publish(pathMessage({}, header(), {}));
+}
+
+std::size_t DoorPlannerNode::mapsBegun() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return maps_begun_;
 }
 
 /// The plan moves along at once; doors and matrices follow when the worker comes to it.
@@ -200,15 +232,17 @@ void DoorPlannerNode::prepareDistricts() {
 
 void DoorPlannerNode::replanIfBlocked() {
   Wish wish;
+  std::size_t maps_begun = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!live_ || !planner_.findBlocked(live_->sent)) return;
     wish = live_->wish;
     ++blocked_plans_;
     if (vehicle_) wish.start.reset();
+    maps_begun = maps_begun_;
   }
   ROS_INFO("The plan is blocked where the map has changed: planning anew.");
-  keep(wish, plan(wish));
+  keep(wish, plan(wish), maps_begun);
 }
 
 void DoorPlannerNode::publishDoors() {

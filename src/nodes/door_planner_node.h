@@ -12,6 +12,7 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <hymm/FilterPose.h>
 #include <hymm/LandmarkMap.h>
 #include <hymm/LandmarkUpdate.h>
 #include <hymm/LtrGrid.h>
@@ -67,6 +68,7 @@ class DoorPlannerNode {
   void takeLtrs(const LtrMap& message);
   void takeGrid(const LtrGrid& message);
   void takePose(const geometry_msgs::PoseWithCovarianceStamped& message);
+  void takeFilterPose(const FilterPose& message);
   void takeLevelSet(const LevelSet& message);
   void takeGoal(const geometry_msgs::PoseStamped& message);
   bool planPath(PlanPath::Request& request, PlanPath::Response& response);
@@ -78,8 +80,12 @@ class DoorPlannerNode {
   /// too little.
   std::optional<core::Plan> addWhatIsKnown(const Wish& wish, core::PlanRequest& request);
   bool isOurFrame(const std::string& frame, const std::string& topic);
+  void listenForRestart();
+  void beginMap();
+  std::size_t mapsBegun();
   void follow(const core::LandmarkMap& map);
-  void keep(const Wish& wish, const core::Plan& plan);
+  /// `maps_begun`: as it was before the plan was made.
+  void keep(const Wish& wish, const core::Plan& plan, std::size_t maps_begun);
   /// Lets the worker look whether the plan kept is blocked: the map may have changed meanwhile.
   void watch();
   void publishLive(LivePlan& live);
@@ -100,6 +106,9 @@ class DoorPlannerNode {
   std::condition_variable changed_;
   core::PlannerFeed feed_;
   core::LandmarkMirror mirror_;
+  core::FilterLife filter_;          ///< by its poses
+  std::size_t filter_restarts_ = 0;  ///< as the plan knows them
+  std::size_t maps_begun_ = 0;       ///< by the filter: each time landmark ids start again
   std::optional<core::Pose2> vehicle_;
   std::map<double, std::shared_ptr<const InformedPlaces>> level_sets_;  ///< by value
   std::optional<LivePlan> live_;

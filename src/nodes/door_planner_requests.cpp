@@ -88,16 +88,20 @@ core::Plan DoorPlannerNode::plan(const Wish& wish, const std::function<bool()>& 
   return answer;
 }
 
-void DoorPlannerNode::keep(const Wish& wish, const core::Plan& plan) {
+void DoorPlannerNode::keep(const Wish& wish, const core::Plan& plan, std::size_t maps_begun) {
   const std::lock_guard<std::mutex> lock(mutex_);
   live_.reset();
-  if (plan.ok()) {
+  if (plan.ok() && maps_begun == maps_begun_) {
     live_ = LivePlan{wish, plan, {}};
     publishLive(*live_);
+    return;
+  }
+  if (plan.ok()) {
+    ROS_WARN("The map began anew while the plan was made; it is not kept.");
   } else {
     ROS_WARN_STREAM(core::nameOf(plan.status) << ": " << plan.sentence);
-    plan_publisher_.publish(pathMessage({}, header(), {}));
   }
+  plan_publisher_.publish(pathMessage({}, header(), {}));
 }
 
 void DoorPlannerNode::takeGoal(const geometry_msgs::PoseStamped& message) {
@@ -105,7 +109,8 @@ void DoorPlannerNode::takeGoal(const geometry_msgs::PoseStamped& message) {
   Wish wish;
   wish.goal = placeOf(message.pose.position);
   wish.goal_heading = headingOf(message.pose.orientation);
-  keep(wish, plan(wish));
+  const std::size_t maps_begun = mapsBegun();
+  keep(wish, plan(wish), maps_begun);
   watch();
 }
 
@@ -154,6 +159,7 @@ DoorPlannerNode::PlanServer::End DoorPlannerNode::executeAction(const PlanPathGo
   wish.lowest_information = goal.lowest_information;
   wish.weights = goal.weights;
   wish.is_refined = !goal.unrefined;
+  const std::size_t maps_begun = mapsBegun();
   const core::Plan answer = plan(wish, [&] {
     PlanPathFeedback feedback;
     feedback.seconds = steadyNow() - begin_s;
@@ -168,7 +174,7 @@ DoorPlannerNode::PlanServer::End DoorPlannerNode::executeAction(const PlanPathGo
     end.state = Status::PREEMPTED;
     return end;
   }
-  keep(wish, answer);
+  keep(wish, answer, maps_begun);
   watch();
   end.state = answer.ok() ? Status::SUCCEEDED : Status::ABORTED;
   return end;

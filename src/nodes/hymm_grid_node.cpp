@@ -159,9 +159,9 @@ void HymmGridNode::process(const PairedScan& paired) {
   if (paired.map) step.map = std::make_shared<const core::LandmarkMap>(fromMessage(*paired.map));
   bool begins_anew = false;
   if (paired.pose) {
-    begins_anew = filter_resets_ && *filter_resets_ != paired.pose->resets;
-    if (begins_anew) beginAnew();
-    filter_resets_ = paired.pose->resets;
+    const core::FilterCourse course = filter_.take(countersOf(*paired.pose));
+    begins_anew = course != core::FilterCourse::kGoesOn;
+    if (begins_anew) beginAnew(course);
     step.pose = fromMessage(*paired.pose);
     last_pose_ = step.pose;
     stamp_ = paired.pose->header.stamp;
@@ -204,8 +204,10 @@ void HymmGridNode::tell(const core::MappedOutcome& outcome, const PairedScan& pa
   if (status_due_.takeIfDue(time_s) || message.for_log) output_.publishStatus(message, stamp_);
 }
 
-void HymmGridNode::beginAnew() {
-  ROS_WARN("The filter began a new map; the dense map begins anew with it.");
+void HymmGridNode::beginAnew(core::FilterCourse course) {
+  ROS_WARN_STREAM((course == core::FilterCourse::kNewFilter ? "cekf_slam was started anew"
+                                                            : "The filter began a new map")
+                  << "; the dense map begins anew with it.");
   mapper_.reset();
   sample_placer_.clear();
   tf_.clear();

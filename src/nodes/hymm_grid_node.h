@@ -22,6 +22,7 @@
 #include <ros/spinner.h>
 #include <tf2_ros/buffer.h>
 
+#include "pipeline/filter_life.h"
 #include "pipeline/grid_files.h"
 #include "pipeline/grid_mapper.h"
 #include "ros/cause_log.h"
@@ -63,7 +64,7 @@ class HymmGridNode {
   void pairClouds();
   void process(const PairedScan& paired);
   void tell(const core::MappedOutcome& outcome, const PairedScan& paired);
-  void beginAnew();
+  void beginAnew(core::FilterCourse course);
   void placeSamples();
   void write(const core::PropertySample& sample);
   void publishIfDue();
@@ -109,7 +110,7 @@ class HymmGridNode {
   core::GridMapper mapper_;
   SamplePlacer sample_placer_;
   core::StampSchedule status_due_{1.0}, log_due_{core::kMemoryLogPeriod_s};
-  std::optional<std::uint64_t> filter_resets_;
+  core::FilterLife filter_;                      ///< by its poses
   std::optional<std::uint64_t> awaited_resets_;  ///< of the filter, since a map was loaded
   double awaited_until_s_ = 0.0;                 ///< by the wall
   std::uint64_t held_version_ = 0;  ///< while a map is saved: of the landmarks, to stop at

@@ -109,7 +109,7 @@ void HymmGridNode::install(const std::string& state, const std::string& name,
 bool HymmGridNode::isOfMapBefore(const PairedScan& paired) {
   if (!awaited_resets_) return false;
   const bool has_come = paired.pose && paired.pose->resets == *awaited_resets_;
-  if (has_come) filter_resets_ = awaited_resets_;
+  if (has_come) filter_ = core::FilterLife();  // of the map that is here already
   if (has_come || steadyNow() > awaited_until_s_) awaited_resets_.reset();
   return !has_come && awaited_resets_.has_value();
 }

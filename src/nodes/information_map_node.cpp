@@ -89,6 +89,8 @@ void InformationMapNode::takeMap(const LandmarkMapConstPtr& message) {
   next.map = fromMessage(*message);
   const std::lock_guard<std::mutex> lock(mutex_);
   if (pose_) next.T_map_base = fromMessage(pose_->pose.pose);
+  next.begins_anew = filter_.take({next.map.version}) == core::FilterCourse::kNewFilter ||
+                     (waiting_ && waiting_->begins_anew);
   if (waiting_) ++skipped_maps_;
   waiting_ = std::move(next);
   changed_.notify_all();
@@ -113,8 +115,8 @@ void InformationMapNode::work() {
 
 void InformationMapNode::compute(const Waiting& next) {
   const std::lock_guard<std::mutex> engine_lock(engine_mutex_);
-  if (next.map.version < information_.mapVersion()) {
-    ROS_WARN("The landmark map began anew; so do the level sets.");
+  if (next.begins_anew) {
+    ROS_WARN("cekf_slam was started anew; so are the level sets.");
     information_.reset();
     dense_map_.tellAgain();
   } else if (last_ms_ > kSlowUpdate_ms) {

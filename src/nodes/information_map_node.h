@@ -17,6 +17,7 @@
 #include <ros/ros.h>
 
 #include "information_map/information_map.h"
+#include "pipeline/filter_life.h"
 #include "pipeline/latency_histogram.h"
 #include "ros/cause_log.h"
 #include "ros/dense_map_mirror.h"
@@ -39,7 +40,8 @@ class InformationMapNode {
   struct Waiting {
     core::LandmarkMap map;
     core::Pose2 T_map_base;
-    double taken_s = 0.0;  ///< by the steady clock
+    double taken_s = 0.0;      ///< by the steady clock
+    bool begins_anew = false;  ///< it, or one passed over for it, is the first of another filter
   };
 
   void takeMap(const LandmarkMapConstPtr& message);
@@ -68,6 +70,7 @@ class InformationMapNode {
 
   std::mutex mutex_;  ///< over what follows; never held while the engine computes
   std::condition_variable changed_;
+  core::FilterLife filter_;  ///< by its maps
   std::optional<Waiting> waiting_;
   std::optional<FilterPose> pose_;
   std::vector<LevelSet> published_;  ///< last, of each value

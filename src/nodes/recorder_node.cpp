@@ -81,21 +81,26 @@ void RecorderNode::addScan(const FilterAnswer& answer) {
   const FilterHealth& health = answer.health;
   if (!last_health_) begin_wall_s_ = steadyNow();
   const double time_s = pose.header.stamp.toSec();
-  if (last_health_ && health.resets != last_health_->resets) {
-    const bool ran_back = health.header.stamp <= last_health_->header.stamp;
-    beginAnew(time_s, ran_back ? "the clock ran back; a new map begins"
-                               : "the filter was reset; a new map begins");
-  }
+  const core::FilterCourse course = filter_.take(answer.counters());
+  landmarks_.hear(pose.map_version);
+  if (course != core::FilterCourse::kGoesOn) beginAnew(pose.header.stamp, course);
   last_health_ = health;
   last_scan_wall_s_ = steadyNow();
   scans_.emplace(time_s, core::ScanRecord{fromMessage(pose), fromMessage(health), ""});
   if (!isWaitingForMode()) write(time_s - kWriteDelay_s);
 }
 
-void RecorderNode::beginAnew(double time_s, const std::string& reason) {
+void RecorderNode::beginAnew(const ros::Time& stamp, core::FilterCourse course) {
+  std::string reason = "the filter was reset";
+  if (course == core::FilterCourse::kNewFilter) {
+    reason = "cekf_slam was started anew";
+    ++restarts_;
+  } else if (stamp <= last_health_->header.stamp) {
+    reason = "the clock ran back";
+  }
   write(std::numeric_limits<double>::infinity());
   poses_.clear();
-  writer_.addReset(time_s, reason);
+  writer_.addReset(stamp.toSec(), reason + "; a new map begins");
   gps_.reset();
 }
 
@@ -178,6 +183,10 @@ core::RunTotals RecorderNode::totals() const {
   totals.notes = {
       "Recorded live: peak_rss_mb is that of the node cekf_slam, cpu_s that node's and the dense "
       "map's."};
+  if (restarts_ > 0) {
+    totals.notes.push_back("cekf_slam was started anew " + std::to_string(restarts_) +
+                           " time(s): its counts, cpu_s and peak_rss_mb are those since the last.");
+  }
   if (!last_health_) return totals;
   totals.cpu_s = last_health_->process_cpu_s;
   totals.peak_rss_mb = last_health_->peak_rss_mb;

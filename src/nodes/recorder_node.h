@@ -56,7 +56,7 @@ class RecorderNode {
 
   void addPairs();
   void addScan(const FilterAnswer& answer);
-  void beginAnew(double time_s, const std::string& reason);
+  void beginAnew(const ros::Time& stamp, core::FilterCourse course);
   void write(double up_to_s);
   void writeScan(core::ScanRecord scan);
   bool isWaitingForMode() const;
@@ -81,6 +81,8 @@ class RecorderNode {
   std::multimap<double, core::ScanRecord> scans_;              ///< by stamp, to be written
   std::map<double, geometry_msgs::PoseWithCovariance> poses_;  ///< of the filter in charge
   std::multimap<double, core::GpsFix> fixes_;                  ///< by stamp, to be written
+  core::FilterLife filter_;                                    ///< by its answers
+  std::size_t restarts_ = 0;
   std::optional<FilterHealth> last_health_;
   double begin_wall_s_;
   double last_scan_wall_s_ = 0.0;

@@ -246,14 +246,13 @@ void RelocaliserNode::processScan(const core::ObservationSet& set) {
     pose = paired->second;
     paired_poses_.erase(paired_poses_.begin(), std::next(paired));
   }
-  const bool begins_anew = resets_ && *resets_ != pose.resets;
-  if (begins_anew || pose.map_version < map_version_) {  // the version of a filter started anew
+  const core::FilterCourse course = filter_.take(countersOf(pose));
+  link_.hear(pose.map_version);
+  if (course != core::FilterCourse::kGoesOn) {
     ROS_WARN("The filter began a new map; what was kept of the old one is forgotten.");
     relocalisation_.reset();
-    link_.forgetLandmarks();
   }
-  resets_ = pose.resets;
-  map_version_ = pose.map_version;
+  if (course == core::FilterCourse::kNewMap) link_.forgetLandmarks();
   relocalisation_.take(set, fromMessage(pose));
 }
 

@@ -90,8 +90,7 @@ class RelocaliserNode {
   // The worker's own.
   FilterServiceLink link_;
   core::Relocalisation relocalisation_;
-  std::optional<std::uint64_t> resets_;  ///< of the filter
-  std::uint64_t map_version_ = 0;
+  core::FilterLife filter_;  ///< by its poses
   std::uint64_t last_order_ = 0;
   WishNumbers wishes_;
   double worked_s_ = 0.0;  ///< by the wall, since the last report

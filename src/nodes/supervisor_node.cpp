@@ -129,20 +129,21 @@ bool SupervisorNode::isComplete(const FilterAnswer& answer, double since_s) cons
 /// Whether the scan is of another recording, of another map or of a filter started anew: the
 /// relocaliser ends its search then, and answers no more.
 bool SupervisorNode::endsSearch(const FilterAnswer& answer) const {
-  return answer.pose.header.stamp < pose_stamp_ || answer.health.scans < filter_scans_ ||
-         (resets_ && answer.health.resets != *resets_);
+  return answer.pose.header.stamp < pose_stamp_ ||
+         filter_.courseOf(answer.counters()) != core::FilterCourse::kGoesOn;
 }
 
 void SupervisorNode::process(const FilterAnswer& answer) {
   const std_msgs::Header& header = answer.pose.header;
-  noteRestart(answer);
+  const core::FilterCourse course = filter_.take(answer.counters());
+  landmarks_.hear(answer.pose.map_version);
+  if (course == core::FilterCourse::kNewFilter) noteRestart();
   if (header.stamp < pose_stamp_) {
     beginRecording();
-  } else if (resets_ && answer.health.resets != *resets_) {
+  } else if (course != core::FilterCourse::kGoesOn) {
     beginMap();
   }
-  resets_ = answer.health.resets;
-  filter_scans_ = answer.health.scans;
+  filter_landmarks_ = answer.health.landmarks;
   pose_stamp_ = header.stamp;
   pose_wall_s_ = steadyNow();
   ++poses_;
@@ -175,14 +176,10 @@ void SupervisorNode::publishPose(const FilterAnswer& answer) {
 }
 
 /// A filter that was killed and started anew has lost its map; nobody else can tell.
-void SupervisorNode::noteRestart(const FilterAnswer& answer) {
-  if (answer.health.scans >= filter_scans_) return;
-  lost_ = "cekf_slam was started anew: its map of " +
-          std::to_string(landmarks_.map().landmarks.size()) +
+void SupervisorNode::noteRestart() {
+  lost_ = "cekf_slam was started anew: its map of " + std::to_string(filter_landmarks_) +
           " landmarks is lost, and a new one begins where the vehicle was. ";
   ROS_ERROR_STREAM(lost_);
-  landmarks_ = core::LandmarkMirror();
-  beginMap();
 }
 
 void SupervisorNode::takeOdometry(const nav_msgs::Odometry& message) {

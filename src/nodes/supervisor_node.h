@@ -56,7 +56,7 @@ class SupervisorNode {
   bool isComplete(const FilterAnswer& answer, double since_s) const;
   void process(const FilterAnswer& answer);
   void publishPose(const FilterAnswer& answer);
-  void noteRestart(const FilterAnswer& answer);
+  void noteRestart();
   void takeOdometry(const nav_msgs::Odometry& message);
   void takeGps(const sensor_msgs::NavSatFix& message);
   void tick();
@@ -91,9 +91,9 @@ class SupervisorNode {
   bool status_sent_ = false;
   std::optional<double> pose_wall_s_;
   ros::Time pose_stamp_;
-  std::optional<std::uint64_t> resets_;  ///< of the filter, as of its last health
-  std::uint64_t filter_scans_ = 0;       ///< that the filter took since it started
-  std::string lost_;                     ///< what went with a filter that was started anew
+  core::FilterLife filter_;             ///< by its answers
+  std::uint32_t filter_landmarks_ = 0;  ///< that it had at the last one
+  std::string lost_;                    ///< what went with a filter that was started anew
   std::size_t poses_ = 0;
   std::size_t mode_switches_ = 0;
   double trajectory_sent_s_ = 0.0;

@@ -26,7 +26,29 @@ void order(std::vector<LandmarkEstimate>& landmarks) {
 
 }  // namespace
 
+/// Notes a message of the source, and forgets all if it is the first word of another filter.
+void LandmarkMirror::listen(Source& source, std::uint64_t version) {
+  if (source.life.take({version}) != FilterCourse::kNewFilter) return;
+  if (source.restarts == restarts_) {  // else another source told it before
+    ++restarts_;
+    map_ = LandmarkMap();
+    recent_.clear();
+  }
+  source.restarts = restarts_;
+}
+
+/// Whether the changes that came tell of this version.
+bool LandmarkMirror::isTold(std::uint64_t version) const {
+  return std::any_of(recent_.begin(), recent_.end(), [&](const LandmarkUpdate& update) {
+    return update.since_version == version || update.version == version;
+  });
+}
+
 void LandmarkMirror::take(const LandmarkMap& map) {
+  listen(maps_, map.version);
+  // It may be of the filter before, unless the changes of the present one lead to it.
+  if (maps_.restarts != restarts_ && !isTold(map.version)) return;
+  maps_.restarts = restarts_;
   const auto later = std::find_if(recent_.begin(), recent_.end(), [&](const auto& update) {
     return update.since_version >= map.version;
   });
@@ -39,11 +61,13 @@ void LandmarkMirror::take(const LandmarkMap& map) {
 }
 
 bool LandmarkMirror::take(const LandmarkUpdate& update) {
+  listen(updates_, update.version);
   if (update.version <= map_.version) return true;
   if (!recent_.empty() && recent_.back().version != update.since_version) recent_.clear();
   recent_.push_back(update);
   if (recent_.size() > kRecentChanges) recent_.pop_front();
   if (update.since_version > map_.version) return false;
+  updates_.restarts = restarts_;
   apply(update);
   return true;
 }

@@ -29,6 +29,13 @@ FilterPose toMessage(const core::PoseEstimate& estimate, const std::string& fram
   return message;
 }
 
+core::FilterCounters countersOf(const FilterPose& message) {
+  core::FilterCounters counters;
+  counters.version = message.map_version;
+  counters.resets = message.resets;
+  return counters;
+}
+
 core::PoseEstimate fromMessage(const FilterPose& message) {
   core::PoseEstimate estimate;
   estimate.time_s = message.header.stamp.toSec();

@@ -7,12 +7,16 @@
 #include <hymm/FilterHealth.h>
 #include <hymm/FilterPose.h>
 
+#include "pipeline/filter_life.h"
+
 namespace hymm {
 
 /// What a filter told of one scan.
 struct FilterAnswer {
   FilterPose pose;
   FilterHealth health;
+
+  core::FilterCounters counters() const { return {pose.map_version, health.resets, health.scans}; }
 };
 
 /// Brings the pose and the health of a scan, which come on two topics, together by their stamp. One

@@ -21,6 +21,11 @@ bool FilterServiceLink::take(const core::LandmarkUpdate& update) {
   return mirror_.take(update);
 }
 
+void FilterServiceLink::hear(std::uint64_t version) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  mirror_.hear(version);
+}
+
 void FilterServiceLink::forgetLandmarks() {
   const std::lock_guard<std::mutex> lock(mutex_);
   mirror_ = core::LandmarkMirror();

@@ -20,6 +20,7 @@ class FilterServiceLink : public core::FilterLink {
   /// What the filter publishes; from any thread. False if changes in between are missing.
   void take(const core::LandmarkMap& map);
   bool take(const core::LandmarkUpdate& update);
+  void hear(std::uint64_t version);
   void forgetLandmarks();
   bool hasLandmarks() const;
 

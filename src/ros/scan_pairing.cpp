@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "ros/filter_conversions.h"
+
 namespace hymm {
 namespace {
 
@@ -30,7 +32,13 @@ void ScanPairing::add(const sensor_msgs::LaserScan::ConstPtr& scan) {
 
 void ScanPairing::add(const FilterPose::ConstPtr& pose, double now_s) {
   if (makeRoom(poses_, kMostWaiting)) ++counts_.overflows;
-  poses_.push_back({pose, now_s});
+  const core::FilterCourse course = filter_.take(countersOf(*pose));
+  if (course == core::FilterCourse::kNewFilter) {
+    // They wait for what nobody will send any more, and their map is gone.
+    counts_.missing_poses += poses_.size();
+    poses_.clear();
+  }
+  poses_.push_back({pose, now_s, course != core::FilterCourse::kGoesOn});
 }
 
 void ScanPairing::add(const LandmarkUpdate::ConstPtr& update) {
@@ -47,10 +55,7 @@ std::optional<PairedScan> ScanPairing::next(double now_s, bool has_scans) {
   while (!poses_.empty()) {
     const FilterPose& pose = *poses_.front().pose;
     const double waited_s = now_s - poses_.front().at_s;
-    if (pose.resets != resets_) {
-      resets_ = pose.resets;
-      forgetScansBeforeJump();
-    }
+    if (poses_.front().begins_anew) forgetScansBeforeJump();
     const Search update = findUpdate(waited_s > kPatience_s);
     if (update == Search::kWaiting) return std::nullopt;
     if (update == Search::kNone) {
@@ -111,12 +116,14 @@ ScanPairing::Search ScanPairing::findUpdate(bool is_late) {
     return update->version == pose.map_version && update->header.stamp == pose.header.stamp;
   });
   if (found != updates_.end()) return Search::kFound;
-  const bool was_passed = !updates_.empty() && updates_.front()->version > pose.map_version;
+  // Of a filter that was started anew since, versions or stamps are lower.
+  const bool was_passed = !updates_.empty() && updates_.front()->version > pose.map_version &&
+                          updates_.front()->header.stamp > pose.header.stamp;
   return is_late || was_passed ? Search::kNone : Search::kWaiting;
 }
 
 /// The map that an update announced. One that was sent before this node subscribed never comes; a
-/// later one tells so. (Of a filter that was started anew since, versions or stamps are lower.)
+/// later one tells so.
 ScanPairing::Search ScanPairing::findMap(const LandmarkUpdate& update, bool is_late,
                                          LandmarkMap::ConstPtr& map) const {
   const auto found = std::find_if(maps_.begin(), maps_.end(), [&](const auto& held) {

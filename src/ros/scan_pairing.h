@@ -10,6 +10,8 @@
 #include <hymm/LandmarkUpdate.h>
 #include <sensor_msgs/LaserScan.h>
 
+#include "pipeline/filter_life.h"
+
 namespace hymm {
 
 /// What came of one scan on four topics.
@@ -23,8 +25,9 @@ struct PairedScan {
 /// Brings together what belongs to one scan: itself, the filter's pose of it, what changed of the
 /// landmarks, and the whole landmark map where the update announces one; by stamp and version,
 /// whatever the order in which the topics bring them. Each topic by itself is in order. What does
-/// not come within a few seconds is given up and counted; buffers are bounded. Times are of any
-/// clock that runs with the wall.
+/// not come within a few seconds is given up and counted, and what waits for the last words of a
+/// filter that has been started anew at once; buffers are bounded. Times are of any clock that runs
+/// with the wall.
 class ScanPairing {
  public:
   struct Counts {
@@ -55,6 +58,7 @@ class ScanPairing {
   struct Arrived {
     FilterPose::ConstPtr pose;
     double at_s;
+    bool begins_anew;  ///< the filter, or its map
   };
   enum class Search { kFound, kWaiting, kNone };
 
@@ -71,7 +75,7 @@ class ScanPairing {
   std::deque<Arrived> poses_;
   std::deque<LandmarkUpdate::ConstPtr> updates_;
   std::deque<LandmarkMap::ConstPtr> maps_;
-  std::uint64_t resets_ = 0;  ///< of the filter, as of the last pose
+  core::FilterLife filter_;  ///< by the poses
   Counts counts_;
 };
 

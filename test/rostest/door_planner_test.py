@@ -249,6 +249,21 @@ class DoorPlannerTest(unittest.TestCase):
         inside = [y for x, y in passed if 32.5 < x < 35.5]
         return bool(inside) and all(abs(y - 7.0) > 1.5 for y in inside)
 
+    def test_8_z_a_plan_ends_with_the_filter_and_its_landmarks(self):
+        self.maps.publish(landmark_map(300))
+        goal = PoseStamped()
+        goal.header.frame_id = "map"
+        goal.pose.position = Point(18.0, 6.0, 0.0)
+        self.goals.publish(goal)
+        self.assertTrue(wait_for(lambda: self.plan_ends_at(6.0)), "a plan")
+        # The filter was started anew: other landmarks have the same ids.
+        self.maps.publish(landmark_map(2, shift=1.5))
+        self.assertTrue(wait_for(lambda: not self.plans[-1].poses), "the end of the plan")
+        # Where the square is now, and where it was.
+        self.assertTrue(wait_for(lambda: self.ask(x=18.0, start=Point(3.0, 5.5, 0.0), y=11.8).success))
+        self.assertFalse(self.ask(x=18.0, start=Point(3.0, 5.5, 0.0), y=1.4).success)
+        self.assertFalse(self.plans[-1].poses)
+
     def test_9_a_plan_that_is_blocked_is_made_anew_or_given_up(self):
         goal = PoseStamped()
         goal.header.frame_id = "map"

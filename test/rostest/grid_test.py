@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Wiring of the node hymm_grid: the map appears, answers, is exported, outlives a kill, begins anew
-with the filter, and counts what it cannot use; point clouds make the same map as scans."""
+with the filter, whether that was reset or killed, and counts what it cannot use; point clouds make the same map as
+scans. The recorder tells of such a kill."""
 import json
 import math
 import os
@@ -25,7 +26,7 @@ from sensor_msgs import point_cloud2
 from sensor_msgs.msg import PointCloud2
 
 sys.path.insert(0, os.path.dirname(__file__))
-from nodes_test import Robot  # noqa: E402
+from nodes_test import Robot, command  # noqa: E402
 from waiting import PATIENCE_S, uri_of, wait_for, wait_for_links  # noqa: E402
 
 POLES = [(x, y) for x in range(8, 60, 7) for y in (-6.0, 5.0)]
@@ -275,10 +276,7 @@ class GridTest(unittest.TestCase):
 
     def test_zz_killed_node_recovers(self):
         wait_for(lambda: self.ltrs, "LTRs")
-        uri = uri_of("/hymm_grid")
-        pid = xmlrpc.client.ServerProxy(uri).getPid("/grid_test")[2]
-        os.kill(pid, signal.SIGKILL)
-        wait_for(lambda: uri_of("/hymm_grid") not in (None, uri), "the node's return")
+        self.kill("/hymm_grid")
         self.wait_for_nodes()
         wait_for(lambda: Robot.is_heard(self.robot.scans, "/cekf_slam", "/hymm_grid"), "its subscription")
         del self.ltrs[:], self.maps[:], self.states[:]
@@ -295,6 +293,46 @@ class GridTest(unittest.TestCase):
         self.drive(8)
         wait_for(lambda: any(ltrs.landmark_version > before and not ltrs.ltrs
                                   for ltrs in list(self.ltrs)), "a map without LTRs")
+
+    def test_zzzz_begins_anew_with_a_filter_that_was_started_anew(self):
+        with tempfile.TemporaryDirectory() as folder:
+            recorder = subprocess.Popen(command("recorder", "__name:=recorder", "_output:=" + folder),
+                                        preexec_fn=os.setsid)
+            try:
+                wait_for_links(("/cekf_slam", "/recorder", "/cekf/pose", "/cekf/health", "/landmarks"))
+                self.drive(20)
+                wait_for(lambda: self.ltrs[-1].ltrs, "LTRs")
+                before = self.ltrs[-1].landmark_version
+                self.kill("/cekf_slam")
+                wait_for_links(("/cekf_slam", "/recorder", "/cekf/pose", "/cekf/health", "/landmarks"))
+                self.wait_for_nodes()
+                del self.states[:], self.ltrs[:]
+
+                # All this before the new filter's versions have reached those of the old one.
+                def writes_scans():
+                    self.drive(1)
+                    return any(state.scans > 0 and state.landmark_version < before for state in list(self.states))
+
+                def has_new_triangles():
+                    self.drive(1)
+                    return any(ltrs.ltrs and ltrs.landmark_version < before for ltrs in list(self.ltrs))
+
+                wait_for(writes_scans, "scans in the map of the new filter")
+                wait_for(has_new_triangles, "LTRs of the new filter's landmarks")
+            finally:
+                os.killpg(recorder.pid, signal.SIGINT)
+                recorder.wait(timeout=PATIENCE_S)
+            self.assertEqual(recorder.returncode, 0)
+            events = (Path(folder) / "events.csv").read_text()
+            self.assertEqual(events.count("reset"), 1, events)
+            self.assertIn("cekf_slam was started anew", events)
+
+    @staticmethod
+    def kill(node):
+        """Returns when it is there again: the launch starts it anew."""
+        uri = uri_of(node)
+        os.kill(xmlrpc.client.ServerProxy(uri).getPid("/grid_test")[2], signal.SIGKILL)
+        wait_for(lambda: uri_of(node) not in (None, uri), "the return of " + node)
 
 
 if __name__ == "__main__":

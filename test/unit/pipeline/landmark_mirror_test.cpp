@@ -99,6 +99,123 @@ TEST_F(LandmarkMirrorTest, KeepsTheFirstOfLandmarksUnderOneId) {
   EXPECT_EQ(mirror_.map().landmarks[1].position.x(), 1.0);
 }
 
+/// The mirror of a filter that went on from version 10 to 390, which is then started anew.
+class RestartedFilterTest : public LandmarkMirrorTest {
+ protected:
+  RestartedFilterTest() {
+    mirror_.take(mapOf(390, {1, 4}));
+    EXPECT_TRUE(mirror_.take(updateTo(391, {})));
+    mirror_.hear(391);
+  }
+
+  static LandmarkMap mapOf(std::uint64_t version, const std::vector<int>& ids) {
+    LandmarkMap map;
+    map.version = version;
+    for (const int id : ids) map.landmarks.push_back(landmarkAt(id, 1.0 * id));
+    return map;
+  }
+
+  static LandmarkUpdate updateTo(std::uint64_t version, const std::vector<int>& ids) {
+    LandmarkUpdate update;
+    update.since_version = version - 1;
+    update.version = version;
+    for (const int id : ids) update.changed.push_back(landmarkAt(id, 1.0 * id));
+    return update;
+  }
+
+  void expect(std::uint64_t version, const std::vector<int>& ids) {
+    EXPECT_EQ(mirror_.map().version, version);
+    EXPECT_EQ(idsOf(mirror_.map()), ids);
+    EXPECT_EQ(mirror_.restarts(), 1u);
+  }
+};
+
+TEST_F(RestartedFilterTest, IsFollowedFromItsFirstChange) {
+  EXPECT_TRUE(mirror_.take(updateTo(1, {0})));
+  expect(1, {0});
+  mirror_.take(mapOf(1, {0}));
+  EXPECT_TRUE(mirror_.take(updateTo(2, {5})));
+  expect(2, {0, 5});
+}
+
+TEST_F(RestartedFilterTest, IsFollowedFromItsFirstMap) {
+  mirror_.take(mapOf(1, {0}));
+  expect(1, {0});
+  EXPECT_TRUE(mirror_.take(updateTo(1, {0})));
+  EXPECT_TRUE(mirror_.take(updateTo(2, {5})));
+  expect(2, {0, 5});
+}
+
+TEST_F(RestartedFilterTest, EndsTheLandmarksWhereverItSpeaksFirst) {
+  mirror_.hear(1);
+  expect(0, {});
+  EXPECT_TRUE(mirror_.take(updateTo(1, {0})));
+  mirror_.take(mapOf(1, {0}));
+  mirror_.hear(2);
+  expect(1, {0});
+}
+
+TEST_F(RestartedFilterTest, IsNotMixedWithALateMapOfTheOneBefore) {
+  EXPECT_TRUE(mirror_.take(updateTo(1, {0})));
+  mirror_.take(mapOf(391, {1, 4}));
+  expect(1, {0});
+  mirror_.take(mapOf(1, {0}));
+  EXPECT_TRUE(mirror_.take(updateTo(2, {5})));
+  expect(2, {0, 5});
+}
+
+TEST_F(RestartedFilterTest, IsNotMixedWithLateChangesOfTheOneBefore) {
+  mirror_.take(mapOf(1, {0}));
+  EXPECT_FALSE(mirror_.take(updateTo(392, {1})));
+  expect(1, {0});
+  EXPECT_TRUE(mirror_.take(updateTo(2, {5})));
+  expect(2, {0, 5});
+}
+
+TEST_F(RestartedFilterTest, IsFollowedAgainAfterTheNextRestart) {
+  EXPECT_TRUE(mirror_.take(updateTo(1, {0})));
+  mirror_.take(mapOf(1, {0}));
+  EXPECT_TRUE(mirror_.take(updateTo(2, {5})));
+  mirror_.take(mapOf(0, {}));
+  EXPECT_EQ(mirror_.restarts(), 2u);
+  EXPECT_TRUE(mirror_.take(updateTo(1, {7})));
+  EXPECT_EQ(idsOf(mirror_.map()), std::vector<int>{7});
+  EXPECT_EQ(mirror_.restarts(), 2u);
+}
+
+TEST_F(LandmarkMirrorTest, TakesMapsOfARestartedFilterThatItsMapsDoNotTell) {
+  LandmarkUpdate update;
+  update.since_version = 10;
+  update.version = 20;
+  ASSERT_TRUE(mirror_.take(update));
+  for (std::uint64_t version = 10; version <= 12;
+       ++version) {  // its first that came; the map at 10 held
+    update.since_version = version - 1;
+    update.version = version;
+    mirror_.take(update);
+  }
+  EXPECT_EQ(mirror_.restarts(), 1u);
+  LandmarkMap map;
+  map.version = 12;
+  map.landmarks = {landmarkAt(8, 8.0)};
+  mirror_.take(map);
+  EXPECT_THAT(idsOf(mirror_.map()), testing::ElementsAre(8));
+  EXPECT_EQ(mirror_.restarts(), 1u);
+}
+
+TEST_F(LandmarkMirrorTest, ALateMapOfAnIntactFilterIsNoRestart) {
+  LandmarkUpdate update;
+  update.since_version = 10;
+  update.version = 12;
+  ASSERT_TRUE(mirror_.take(update));
+  LandmarkMap late;
+  late.version = 11;
+  mirror_.take(late);
+  mirror_.take(late);  // latched, sent once more
+  EXPECT_EQ(mirror_.restarts(), 0u);
+  EXPECT_EQ(mirror_.map().landmarks.size(), 2U);
+}
+
 TEST_F(LandmarkMirrorTest, FindsEachLandmarkWhateverTheOrderOfMapsAndUpdates) {
   std::mt19937 draw(1);
   std::uniform_int_distribution<int> any_id(-3, 12);

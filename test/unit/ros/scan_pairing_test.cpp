@@ -169,6 +169,34 @@ TEST(ScanPairing, AFilterThatWasStartedAnewIsFollowedAgain) {
   EXPECT_EQ(paired->pose->map_version, 1u);
 }
 
+TEST(ScanPairing, AFilterThatWasStartedAnewDoesNotWaitForTheLastWordsOfTheOneBefore) {
+  ScanPairing pairing;
+  pairing.add(poseAt(90.0, 400), 0.0);
+  pairing.add(updateAt(90.0, 400, true));  // its map never comes
+  EXPECT_FALSE(pairing.next(0.0, false).has_value());
+  pairing.add(poseAt(90.2, 1), 0.0);
+  EXPECT_EQ(pairing.counts().missing_poses, 1u);
+  EXPECT_FALSE(pairing.next(0.0, false).has_value());  // its update is still on its way
+  pairing.add(updateAt(90.2, 1));
+  EXPECT_EQ(pairing.next(0.0, false)->update->version, 400u);
+  const std::optional<PairedScan> paired = pairing.next(0.0, false);
+  ASSERT_TRUE(paired.has_value());
+  EXPECT_EQ(paired->pose->map_version, 1u);
+}
+
+TEST(ScanPairing, ScansBeforeARestartInAnotherRecordingDoNotPassThoseOfTheNext) {
+  ScanPairing pairing;
+  pairing.add(poseAt(90.0, 400), 0.0);
+  pairing.add(updateAt(90.0, 400));
+  EXPECT_TRUE(pairing.next(0.0, false).has_value());
+  pairing.add(scanAt(91.0));  // while no filter ran
+  pairing.add(scanAt(5.0));
+  pairing.add(scanAt(5.2));
+  pairing.add(poseAt(5.0, 1), 0.0);
+  pairing.add(updateAt(5.0, 1));
+  EXPECT_NE(pairing.next(0.0, true)->scan, nullptr);
+}
+
 TEST(ScanPairing, ScansOfTheRecordingBeforeDoNotPassThoseOfTheNext) {
   ScanPairing pairing;
   pairing.add(scanAt(90.0));  // refused by the filter: without a pose
