@@ -93,7 +93,8 @@ bool GoalLedger::wasCancelled(const actionlib_msgs::GoalID& id) {
     early_cancels_.erase(early);
     return true;
   }
-  return id.stamp <= cancelled_until_;
+  // 0 means that nothing was cancelled by its stamp; goals bear it while a simulated clock stands.
+  return cancelled_until_ != ros::Time() && id.stamp <= cancelled_until_;
 }
 
 GoalLedger::Status GoalLedger::finish(Status status, std::uint8_t state, const std::string& text,

@@ -49,6 +49,14 @@ TEST_F(TheGoalLedger, FollowsAGoalToItsEnd) {
   EXPECT_FALSE(ledger_.current());
 }
 
+TEST_F(TheGoalLedger, TakesGoalsWhileASimulatedClockStandsAtZero) {
+  const ros::Time zero;
+  EXPECT_TRUE(ledger_.take(makeId("a", 0.0), zero, 0.0).waits);
+  // Nothing older is known of than what comes at 0: only what waits is cancelled.
+  EXPECT_EQ(ledger_.cancel(makeId("", 0.0), zero, 0.0).size(), 1u);
+  EXPECT_TRUE(ledger_.take(makeId("b", 0.0), zero, 0.0).waits);
+}
+
 TEST_F(TheGoalLedger, LetsTheNewestReplaceTheOthersWhateverTheirStamps) {
   take("worked on", 4e9);
   ledger_.begin("");
