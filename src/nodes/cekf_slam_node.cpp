@@ -7,6 +7,7 @@
 
 #include "common/number_text.h"
 #include "ros/joint_covariance.h"
+#include "ros/node_main.h"
 #include "ros/relocaliser_conversions.h"
 #include "ros/steady_time.h"
 
@@ -86,8 +87,7 @@ void CekfSlamNode::work() {
   try {
     workOn();
   } catch (const std::exception& error) {
-    ROS_FATAL_STREAM("The filter cannot go on: " << error.what());
-    ros::shutdown();
+    endAfterFailure(std::string("The filter cannot go on: ") + error.what());
   }
 }
 

@@ -7,6 +7,7 @@
 #include "ros/filter_conversions.h"
 #include "ros/grid_conversions.h"
 #include "ros/map_conversions.h"
+#include "ros/node_main.h"
 #include "ros/pose_conversions.h"
 #include "ros/steady_time.h"
 
@@ -195,6 +196,14 @@ void DoorPlannerNode::takeLevelSet(const LevelSet& message) {
 }
 
 void DoorPlannerNode::work() {
+  try {
+    workOn();
+  } catch (const std::exception& error) {
+    endAfterFailure(std::string("Paths cannot be planned any more: ") + error.what());
+  }
+}
+
+void DoorPlannerNode::workOn() {
   while (true) {
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
     {

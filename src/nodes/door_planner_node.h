@@ -90,6 +90,7 @@ class DoorPlannerNode {
   void watch();
   void publishLive(LivePlan& live);
   void work();
+  void workOn();
   void prepareDistricts();
   void replanIfBlocked();
   void publishDoors();

@@ -7,6 +7,7 @@
 #include "ros/filter_conversions.h"
 #include "ros/grid_conversions.h"
 #include "ros/map_conversions.h"
+#include "ros/node_main.h"
 #include "ros/sensor_conversions.h"
 #include "ros/steady_time.h"
 
@@ -110,8 +111,7 @@ void HymmGridNode::work() {
   try {
     workOn();
   } catch (const std::exception& error) {
-    ROS_FATAL_STREAM("The dense map cannot go on: " << error.what());
-    ros::shutdown();
+    endAfterFailure(std::string("The dense map cannot go on: ") + error.what());
   }
 }
 

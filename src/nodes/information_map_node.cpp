@@ -9,6 +9,7 @@
 
 #include "ros/information_conversions.h"
 #include "ros/map_conversions.h"
+#include "ros/node_main.h"
 #include "ros/pose_conversions.h"
 #include "ros/steady_time.h"
 
@@ -108,8 +109,7 @@ void InformationMapNode::work() {
       compute(next);
     }
   } catch (const std::exception& error) {
-    ROS_FATAL_STREAM("The level sets cannot be kept: " << error.what());
-    ros::shutdown();
+    endAfterFailure(std::string("The level sets cannot be kept: ") + error.what());
   }
 }
 

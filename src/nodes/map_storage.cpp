@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/error.h"
+#include "ros/node_main.h"
 #include "ros/pose_conversions.h"
 #include "ros/steady_time.h"
 #include "storage/map_folder.h"
@@ -189,8 +190,7 @@ void MapStorage::loadAtStart() {
   LoadMap::Response response;
   load(request, response);
   if (response.success) return;
-  ROS_FATAL("The map to begin with cannot be loaded, see above; the node ends.");
-  ros::requestShutdown();
+  endAfterFailure("The map to begin with cannot be loaded, see above; the node ends.");
 }
 
 }  // namespace hymm

@@ -7,6 +7,7 @@
 
 #include "ros/filter_conversions.h"
 #include "ros/map_conversions.h"
+#include "ros/node_main.h"
 #include "ros/pose_conversions.h"
 #include "ros/relocaliser_conversions.h"
 #include "ros/sensor_conversions.h"
@@ -193,8 +194,7 @@ void RelocaliserNode::work() {
   try {
     workOn();
   } catch (const std::exception& error) {
-    ROS_FATAL_STREAM("The relocaliser cannot go on: " << error.what());
-    ros::shutdown();
+    endAfterFailure(std::string("The relocaliser cannot go on: ") + error.what());
   }
 }
 

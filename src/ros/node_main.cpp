@@ -1,8 +1,15 @@
 #include "ros/node_main.h"
 
+#include <atomic>
+
 #include "common/error.h"
 
 namespace hymm {
+namespace {
+
+std::atomic<bool> has_failed{false};
+
+}  // namespace
 
 int runNode(int argc, char** argv, const char* name, const std::function<void()>& body) {
   try {
@@ -11,7 +18,7 @@ int runNode(int argc, char** argv, const char* name, const std::function<void()>
     ros::start();
     body();
     ros::shutdown();
-    return 0;
+    return has_failed ? 1 : 0;
   } catch (const core::ConfigError& error) {
     for (const std::string& problem : error.problems()) ROS_FATAL_STREAM(problem);
     ROS_FATAL_STREAM(name << " does not start: " << error.problems().size()
@@ -23,6 +30,12 @@ int runNode(int argc, char** argv, const char* name, const std::function<void()>
   // holds, and aborts.
   if (ros::isStarted()) ros::shutdown();
   return 1;
+}
+
+void endAfterFailure(const std::string& problem) {
+  ROS_FATAL_STREAM(problem);
+  has_failed = true;
+  ros::requestShutdown();
 }
 
 void tellOrThrow(const core::ConfigReport& report) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -9,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <ros/console.h>
 #include <ros/node_handle.h>
 
 #include "ros/goal_ledger.h"
@@ -111,10 +113,22 @@ class SingleGoalServer {
       ledger_.begin("It is worked on.");
       publishStatus();
       lock.unlock();
-      const End end = execute_(goal->goal);
+      const End end = execute(goal->goal);
       lock.lock();
       publishResult(ledger_.end(end.state, end.text, steadyNow()), end.result);
       publishStatus();
+    }
+  }
+
+  /// A goal that ends in an exception is aborted with its words: the node goes on.
+  End execute(const Goal& goal) {
+    try {
+      return execute_(goal);
+    } catch (const std::exception& error) {
+      ROS_ERROR_STREAM("A goal of " << handle_.getNamespace() << " failed: " << error.what());
+      End end;
+      end.text = error.what();
+      return end;
     }
   }
 

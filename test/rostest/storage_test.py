@@ -3,6 +3,7 @@
 what the other nodes learn."""
 import math
 import os
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -16,7 +17,7 @@ from hymm.msg import FilterPose, GridStatus, LandmarkMap, LtrMap
 from hymm.srv import LoadMap, Reset, SaveMap
 
 sys.path.insert(0, os.path.dirname(__file__))
-from nodes_test import Robot  # noqa: E402
+from nodes_test import Robot, command  # noqa: E402
 from waiting import PATIENCE_S, wait_for, wait_for_links  # noqa: E402
 
 POLES = [(x, y) for x in range(8, 90, 7) for y in (-6.0, 5.0)]
@@ -148,6 +149,13 @@ class StorageTest(unittest.TestCase):
         for x, y in [(x, y) for x, y in POLES if 4.0 < x - scan_x < 12.0]:
             seen = position.x + x - scan_x, position.y + y
             self.assertLess(min(math.dist(seen, place) for place in places.values()), 0.3, "among the map's landmarks")
+
+    def test_6_a_map_to_begin_with_that_cannot_be_loaded_ends_the_node_with_a_failure(self):
+        rospy.set_param("/failing/saved_map/folder", os.path.join(self.folder.name, "nowhere"))
+        node = subprocess.run(command("supervisor", "__ns:=/failing", "__name:=supervisor"), timeout=PATIENCE_S,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.assertEqual(node.returncode, 1, node.stdout)
+        self.assertIn("cannot be loaded", node.stdout)
 
 
 if __name__ == "__main__":
