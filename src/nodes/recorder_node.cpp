@@ -1,7 +1,9 @@
 #include "nodes/recorder_node.h"
 
+#include <algorithm>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 #include "common/error.h"
 #include "ros/filter_conversions.h"
@@ -15,8 +17,20 @@ namespace {
 constexpr std::uint32_t kUnbounded = 0;    // a record with holes would be worthless
 constexpr double kWriteDelay_s = 2.0;      // by stamps: what comes later than that is out of order
 constexpr std::size_t kMostAhead = 10000;  // stamps of what waits for scans that may never come
+constexpr std::size_t kMostLate = 1000;    // GPS fixes, a minute of a fast receiver
 constexpr double kModeWait_s = 5.0;        // by the wall, for the supervisor's first decision
 constexpr double kQuiet_s = 5.0;           // by the wall, after which nothing waits for later scans
+
+/// Leaves what is before the break, in its order.
+template <class Message>
+std::deque<Message> takeWhatFollows(const RecordingBreak& here, std::deque<Message>& messages) {
+  const auto following = std::stable_partition(
+      messages.begin(), messages.end(),
+      [&](const Message& message) { return here.isBefore(message.header.stamp); });
+  std::deque<Message> taken(following, messages.end());
+  messages.erase(following, messages.end());
+  return taken;
+}
 
 }  // namespace
 
@@ -91,17 +105,33 @@ void RecorderNode::addScan(const FilterAnswer& answer) {
 }
 
 void RecorderNode::beginAnew(const ros::Time& stamp, core::FilterCourse course) {
+  const RecordingBreak here{last_health_->header.stamp, stamp};
   std::string reason = "the filter was reset";
   if (course == core::FilterCourse::kNewFilter) {
     reason = "cekf_slam was started anew";
     ++restarts_;
-  } else if (stamp <= last_health_->header.stamp) {
+  } else if (here.clockRanBack()) {
     reason = "the clock ran back";
   }
+  // What has come of the new map already waits for it.
+  std::deque<sensor_msgs::NavSatFix> fixes = std::move(late_fixes_);
+  for (const auto& [time_s, fix] : fixes_) fixes.push_back(fix);
+  late_fixes_.clear();
+  fixes_.clear();
+  const std::deque<sensor_msgs::NavSatFix> new_fixes = takeWhatFollows(here, fixes);
+  const std::deque<FilterStatus> new_statuses = takeWhatFollows(here, statuses_);
+  wait(fixes);
   write(std::numeric_limits<double>::infinity());
+  for (const FilterStatus& status : statuses_) switchMode(status);
+  statuses_ = new_statuses;
   poses_.clear();
   writer_.addReset(stamp.toSec(), reason + "; a new map begins");
   gps_.reset();
+  wait(new_fixes);
+}
+
+void RecorderNode::wait(const std::deque<sensor_msgs::NavSatFix>& fixes) {
+  for (const sensor_msgs::NavSatFix& fix : fixes) fixes_.emplace(fix.header.stamp.toSec(), fix);
 }
 
 void RecorderNode::write(double up_to_s) {
@@ -109,7 +139,7 @@ void RecorderNode::write(double up_to_s) {
     const bool fix_is_next =
         !fixes_.empty() && (scans_.empty() || fixes_.begin()->first <= scans_.begin()->first);
     if (fix_is_next && fixes_.begin()->first <= up_to_s) {
-      writer_.addGps(fixes_.begin()->second);
+      writeFix(fixes_.begin()->second);
       fixes_.erase(fixes_.begin());
     } else if (!fix_is_next && !scans_.empty() && scans_.begin()->first <= up_to_s) {
       writeScan(scans_.begin()->second);
@@ -123,9 +153,7 @@ void RecorderNode::write(double up_to_s) {
 /// The supervisor decides a little after the scan; its decision bears the scan's stamp.
 void RecorderNode::writeScan(core::ScanRecord scan) {
   while (!statuses_.empty() && statuses_.front().header.stamp.toSec() <= scan.pose.time_s) {
-    const FilterStatus& status = statuses_.front();
-    mode_ = status.mode;
-    writer_.addModeSwitch(status.header.stamp.toSec(), mode_, status.reason);
+    switchMode(statuses_.front());
     statuses_.pop_front();
   }
   scan.mode = mode_;
@@ -143,6 +171,26 @@ void RecorderNode::writeScan(core::ScanRecord scan) {
   }
 }
 
+void RecorderNode::switchMode(const FilterStatus& status) {
+  mode_ = status.mode;
+  writer_.addModeSwitch(status.header.stamp.toSec(), mode_, status.reason);
+}
+
+/// Converted no earlier: only now it is certain to which map, and so to which origin, it belongs.
+void RecorderNode::writeFix(const sensor_msgs::NavSatFix& message) {
+  const GpsConverter::Answer answer = gps_.convert(message);
+  if (answer.fix) {
+    writer_.addGps(*answer.fix);
+  } else {
+    causes_.count("GPS fix refused", "A GPS fix is not recorded: " + answer.problem + ".");
+  }
+}
+
+void RecorderNode::writeLateFixes() {
+  for (const sensor_msgs::NavSatFix& fix : late_fixes_) writeFix(fix);
+  late_fixes_.clear();
+}
+
 bool RecorderNode::isWaitingForMode() const {
   return mode_ == FilterStatus::INITIALISING && steadyNow() - begin_wall_s_ < kModeWait_s;
 }
@@ -156,16 +204,18 @@ void RecorderNode::takeUpdate(const LandmarkUpdate& message) {
 }
 
 void RecorderNode::takeGps(const sensor_msgs::NavSatFix& message) {
-  const GpsConverter::Answer answer = gps_.convert(message);
-  if (answer.fix) {
-    fixes_.emplace(answer.fix->time_s, *answer.fix);
-    if (fixes_.size() <= kMostAhead) return;
-    fixes_.erase(std::prev(fixes_.end()));
-    causes_.count("GPS fixes ahead of scans",
-                  "GPS fixes are stamped later than all scans; they are not recorded.");
-  } else {
-    causes_.count("GPS fix refused", "A GPS fix is not recorded: " + answer.problem + ".");
+  const double time_s = message.header.stamp.toSec();
+  if (last_health_ && time_s < last_health_->header.stamp.toSec() - kWriteDelay_s) {
+    // Out of order, or the first of another recording, of which no scan has come yet.
+    late_fixes_.push_back(message);
+    if (late_fixes_.size() > kMostLate) writeLateFixes();
+    return;
   }
+  fixes_.emplace(time_s, message);
+  if (fixes_.size() <= kMostAhead) return;
+  fixes_.erase(std::prev(fixes_.end()));
+  causes_.count("GPS fixes ahead of scans",
+                "GPS fixes are stamped later than all scans; they are not recorded.");
 }
 
 void RecorderNode::takeStatus(const FilterStatus& message) {
@@ -258,6 +308,7 @@ void RecorderNode::finish() {
                                                                   << " is left as it was.");
     return;
   }
+  writeLateFixes();
   grid_.write();
   level_sets_.write();
   writer_.finish(landmarks_.map(), totals());

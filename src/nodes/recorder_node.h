@@ -28,6 +28,7 @@
 #include "ros/gps_converter.h"
 #include "ros/grid_record.h"
 #include "ros/level_set_record.h"
+#include "ros/recording_break.h"
 #include "ros/traffic_meter.h"
 #include "vehicle/vehicle_config.h"
 
@@ -58,6 +59,10 @@ class RecorderNode {
   void addScan(const FilterAnswer& answer);
   void beginAnew(const ros::Time& stamp, core::FilterCourse course);
   void write(double up_to_s);
+  void writeFix(const sensor_msgs::NavSatFix& message);
+  void writeLateFixes();
+  void wait(const std::deque<sensor_msgs::NavSatFix>& fixes);
+  void switchMode(const FilterStatus& status);
   void writeScan(core::ScanRecord scan);
   bool isWaitingForMode() const;
   bool isQuiet() const;
@@ -80,8 +85,9 @@ class RecorderNode {
   FilterPairing pairing_;
   std::multimap<double, core::ScanRecord> scans_;              ///< by stamp, to be written
   std::map<double, geometry_msgs::PoseWithCovariance> poses_;  ///< of the filter in charge
-  std::multimap<double, core::GpsFix> fixes_;                  ///< by stamp, to be written
-  core::FilterLife filter_;                                    ///< by its answers
+  std::multimap<double, sensor_msgs::NavSatFix> fixes_;        ///< by stamp, to be written
+  std::deque<sensor_msgs::NavSatFix> late_fixes_;  ///< or of a recording that no scan tells yet
+  core::FilterLife filter_;                        ///< by its answers
   std::size_t restarts_ = 0;
   std::optional<FilterHealth> last_health_;
   double begin_wall_s_;
