@@ -51,10 +51,12 @@ InformationMapNode::InformationMapNode(const core::InformationMapConfig& config,
       handle_, "cekf/pose", 10, [this](const FilterPoseConstPtr& message) { takePose(message); });
   traffic_.expect(handle_.resolveName("cekf/pose"));
   dense_map_.subscribe(handle_, traffic_);
+  ros::NodeHandle calls(handle_);
+  calls.setCallbackQueue(&calls_);
   evaluate_service_ =
-      handle_.advertiseService("evaluate_information", &InformationMapNode::evaluate, this);
+      calls.advertiseService("evaluate_information", &InformationMapNode::evaluate, this);
   suggest_service_ =
-      handle_.advertiseService("suggest_exploration", &InformationMapNode::suggest, this);
+      calls.advertiseService("suggest_exploration", &InformationMapNode::suggest, this);
   diagnostics_.setHardwareID("none");
   diagnostics_.add("inputs", &traffic_, &TrafficMeter::diagnose);
   diagnostics_.add("level sets", this, &InformationMapNode::diagnose);
@@ -62,9 +64,11 @@ InformationMapNode::InformationMapNode(const core::InformationMapConfig& config,
       ros::WallDuration(1.0),
       [this](const ros::SteadyTimerEvent&) { diagnostics_.force_update(); });
   worker_ = std::thread(&InformationMapNode::work, this);
+  call_spinner_.start();
 }
 
 InformationMapNode::~InformationMapNode() {
+  call_spinner_.stop();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     stopping_ = true;

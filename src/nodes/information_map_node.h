@@ -14,7 +14,9 @@
 #include <hymm/LandmarkMap.h>
 #include <hymm/LevelSet.h>
 #include <hymm/SuggestExploration.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
+#include <ros/spinner.h>
 
 #include "information_map/information_map.h"
 #include "pipeline/filter_life.h"
@@ -83,7 +85,9 @@ class InformationMapNode {
 
   ros::Publisher level_sets_, islands_markers_;
   ros::Subscriber maps_, poses_;
+  ros::CallbackQueue calls_;  ///< of services, which wait for the engine
   ros::ServiceServer evaluate_service_, suggest_service_;
+  ros::AsyncSpinner call_spinner_{1, &calls_};
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer diagnostics_timer_;
   std::thread worker_;
