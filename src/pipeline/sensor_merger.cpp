@@ -1,6 +1,7 @@
 #include "pipeline/sensor_merger.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace hymm::core {
@@ -135,11 +136,20 @@ void SensorMerger::suspect(Clock& clock, Pending pending) {
   if (clock.suspects.size() == 1) clock.contradicted = false;
   if (runsBack(clock)) {
     judgeRunBack(clock);
-  } else if (clock.suspects.size() >= static_cast<std::size_t>(config_.clock_jump_events)) {
-    believeSuspects(clock);
-    Clock& other = otherThan(clock);
-    if (isReached(other)) believeSuspects(other);
+    return;
   }
+  Clock& other = otherThan(clock);
+  const bool agree = areAheadTogether(clock, other);
+  const std::size_t size = clock.suspects.size() + (agree ? other.suspects.size() : 0);
+  if (size < static_cast<std::size_t>(config_.clock_jump_events)) return;
+  believeSuspects(clock);
+  if (agree || isReached(other)) believeSuspects(other);
+}
+
+/// As behind a gap in the recording: what both clocks say is not stray.
+bool SensorMerger::areAheadTogether(const Clock& clock, const Clock& other) const {
+  return !other.suspects.empty() && !runsBack(other) &&
+         std::abs(clock.suspects.last_s() - other.suspects.last_s()) <= config_.clock_jump_s;
 }
 
 void SensorMerger::judgeRunBack(Clock& clock) {

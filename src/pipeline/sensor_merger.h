@@ -30,8 +30,10 @@ struct SensorMergerConfig {
 /// Motion and scans have a clock each. An event farther from its clock than clock_jump_s is held,
 /// not believed, until it is clear what it is:
 /// - one that fits the clock follows: what was held is stray, and dropped;
-/// - ahead of both clocks, and clock_jump_events of its kind in a row say so, or the other clock
-///   gets there: a gap in the recording, or a clock put forward; the events are used;
+/// - ahead of both clocks, and clock_jump_events in a row say so, of its kind, or of both kinds
+/// with
+///   stamps that agree, or the other clock gets there: a gap in the recording, or a clock put
+///   forward; the events are used;
 /// - behind, and the other clock runs back too, or is silent: a new recording. What is left of the
 ///   old one comes first, then a ClockReset, then the events held;
 /// - behind, while the other clock goes on, or is there already: its own clock was put back. The
@@ -94,6 +96,7 @@ class SensorMerger {
   void believe(Pending pending);
   void believeSuspects(Clock& clock);
   void suspect(Clock& clock, Pending pending);
+  bool areAheadTogether(const Clock& clock, const Clock& other) const;
   void judgeRunBack(Clock& clock);
   void putBack(Clock& clock);
   void dropBeyond(std::deque<Pending>& queue, double time_s);

@@ -300,6 +300,17 @@ TEST_F(SensorMergerDrive, LosesNothingToAGapThatAllSourcesShare) {
   EXPECT_EQ(merger.counts().without_motion, 0U);
 }
 
+TEST_F(SensorMergerDrive, BelievesAGapOnceMotionAndScansTogetherAgree) {
+  drive(0, 200);
+  give(motion(115.0));
+  give(detections(115.0));
+  EXPECT_EQ(scans, 100U);
+  give(motion(115.05));
+  EXPECT_EQ(motions, 201U);
+  EXPECT_EQ(scans, 101U);
+  EXPECT_EQ(merger.counts().out_of_order, 0U);
+}
+
 TEST_F(SensorMergerDrive, LosesNoScanOrMotionWhereTheClockOfAllSourcesRunsBack) {
   motion_ahead = scan_ahead = fix_ahead = from(1000, -45.0);
   drive(0, 2000);
