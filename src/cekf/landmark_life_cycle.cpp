@@ -164,8 +164,9 @@ void LandmarkLifeCycle::drop(int id, CompressedEkf& filter) {
   diameters_.remove(registry_.byId(id).diameter_state, filter);
   lasting_errors_.remove(registry_.byId(id), filter);
   registry_.remove(id);
-  for (const int other : distinct_from_[id]) distinct_from_[other].erase(id);
-  distinct_from_.erase(id);
+  if (const auto known = distinct_from_.extract(id)) {
+    for (const int other : known.mapped()) distinct_from_[other].erase(id);
+  }
   unconfirmed_ids_.erase(id);
   changed_ids_.erase(id);
   removed_ids_.push_back(id);

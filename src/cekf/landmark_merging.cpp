@@ -134,9 +134,11 @@ void LandmarkLifeCycle::takeOver(const RegisteredLandmark& gone, RegisteredLandm
   kept.last_seen_s = std::max(kept.last_seen_s, gone.last_seen_s);
   kept.existence_log_odds = std::max(kept.existence_log_odds, gone.existence_log_odds);
   if (isConfirmed(kept)) unconfirmed_ids_.erase(kept.id);
-  const std::set<int> others = distinct_from_[gone.id];
-  distinct_from_[kept.id].insert(others.begin(), others.end());
-  for (const int other : others) distinct_from_[other].insert(kept.id);
+  for (const int other : std::set<int>(distinct_from_[gone.id])) {
+    if (other == kept.id) continue;
+    distinct_from_[kept.id].insert(other);
+    distinct_from_[other].insert(kept.id);
+  }
 }
 
 }  // namespace hymm::core
