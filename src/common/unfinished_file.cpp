@@ -16,7 +16,8 @@ UnfinishedFile::UnfinishedFile(fs::path target) : target_(std::move(target)), pa
     throw OutputError("The output " + target_.string() + " is a folder; name a file in it.");
   }
   if (!fs::is_directory(folder)) {
-    throw OutputError("The folder " + folder.string() + " for the output does not exist; make it.");
+    throw OutputError(target_.string() + " cannot be written: the folder " + folder.string() +
+                      " does not exist; make it.");
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "common/error.h"
 #include "common/number_text.h"
+#include "common/unfinished_file.h"
 
 namespace hymm::core {
 namespace {
@@ -22,21 +23,41 @@ void refuseEmpty(const OccupancyImage& image, const std::string& path) {
   throw OutputError("'" + path + "' is not written: the map has no cells yet.");
 }
 
-std::ofstream openFile(const std::string& path) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  if (!file) throw OutputError("'" + path + "' cannot be opened for writing.");
-  return file;
-}
-
-void finish(std::ofstream& file, const std::string& path) {
-  file.close();
-  if (!file) throw OutputError("'" + path + "' cannot be written: is the disk full?");
+/// `write` is given the stream. Throws OutputError if the disk does not take all of it.
+template <class Write>
+void fill(const UnfinishedFile& file, Write write) {
+  std::ofstream stream(file.path(), std::ios::binary | std::ios::trunc);
+  write(stream);
+  stream.close();
+  if (!stream) {
+    throw OutputError("'" + file.path().string() + "' cannot be written: is the disk full?");
+  }
 }
 
 std::uint8_t pixelOf(std::int8_t percent) {
   const std::int8_t trinary = trinaryOccupancy(percent);
   if (trinary < 0) return kUnknownPixel;
   return trinary == 0 ? kFreePixel : kOccupiedPixel;
+}
+
+void writePixels(const OccupancyImage& image, std::ostream& pgm) {
+  pgm << "P5\n" << image.width << " " << image.height << "\n255\n";
+  std::string row(static_cast<std::size_t>(image.width), '\0');
+  for (int y = image.height - 1; y >= 0; --y) {  // the first row of a picture is its upper one
+    for (int x = 0; x < image.width; ++x) {
+      row[static_cast<std::size_t>(x)] = static_cast<char>(pixelOf(image.at(x, y)));
+    }
+    pgm << row;
+  }
+}
+
+void writeDescription(const OccupancyImage& image, const std::string& pgm_path,
+                      std::ostream& yaml) {
+  const std::string name = pgm_path.substr(pgm_path.find_last_of('/') + 1);
+  const Eigen::Vector2d origin = image.origin();
+  yaml << "image: " << name << "\nmode: trinary\nresolution: " << numberText(image.resolution_m)
+       << "\norigin: [" << numberText(origin.x()) << ", " << numberText(origin.y())
+       << ", 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
 }
 
 }  // namespace
@@ -50,25 +71,12 @@ std::int8_t trinaryOccupancy(std::int8_t percent) {
 void exportPgm(const OccupancyImage& image, const std::string& path_without_extension) {
   const std::string pgm_path = path_without_extension + ".pgm";
   refuseEmpty(image, pgm_path);
-  std::ofstream pgm = openFile(pgm_path);
-  pgm << "P5\n" << image.width << " " << image.height << "\n255\n";
-  std::string row(static_cast<std::size_t>(image.width), '\0');
-  for (int y = image.height - 1; y >= 0; --y) {  // the first row of a picture is its upper one
-    for (int x = 0; x < image.width; ++x) {
-      row[static_cast<std::size_t>(x)] = static_cast<char>(pixelOf(image.at(x, y)));
-    }
-    pgm << row;
-  }
-  finish(pgm, pgm_path);
-
-  const std::string yaml_path = path_without_extension + ".yaml";
-  std::ofstream yaml = openFile(yaml_path);
-  const std::string name = pgm_path.substr(pgm_path.find_last_of('/') + 1);
-  const Eigen::Vector2d origin = image.origin();
-  yaml << "image: " << name << "\nmode: trinary\nresolution: " << numberText(image.resolution_m)
-       << "\norigin: [" << numberText(origin.x()) << ", " << numberText(origin.y())
-       << ", 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
-  finish(yaml, yaml_path);
+  UnfinishedFile pgm(pgm_path), yaml(path_without_extension + ".yaml");
+  fill(pgm, [&](std::ostream& stream) { writePixels(image, stream); });
+  fill(yaml, [&](std::ostream& stream) { writeDescription(image, pgm_path, stream); });
+  // Only when both are whole: they tell of each other.
+  pgm.complete();
+  yaml.complete();
 }
 
 void exportOctoMap(const OccupancyImage& image, const std::string& path) {
@@ -93,11 +101,9 @@ void exportOctoMap(const OccupancyImage& image, const std::string& path) {
   }
   tree.updateInnerOccupancy();
   tree.prune();
-  std::ofstream file = openFile(path);
-  if (!tree.writeBinaryConst(file)) {
-    throw OutputError("'" + path + "' cannot be written: is the disk full?");
-  }
-  finish(file, path);
+  UnfinishedFile file(path);
+  fill(file, [&](std::ostream& stream) { tree.writeBinaryConst(stream); });
+  file.complete();
 }
 
 }  // namespace hymm::core

@@ -120,6 +120,17 @@ class ReportTest(unittest.TestCase):
         self.assertIn("trajectory.tum cannot be read", page.words)
         self.assertIn("level_sets.csv cannot be read", page.words)
 
+    def test_a_page_that_is_being_read_stays_whole(self):
+        self.page()
+        with open(self.folder / "report.html", "rb", buffering=0) as reader:
+            begin = reader.read(50)
+            write_run(self.folder)
+            self.page()
+            before = (begin + reader.read()).decode()
+        self.assertIn("summary.json is missing", before)
+        self.assertEqual(before[-8:], "</html>\n")
+        self.assertNotIn("summary.json is missing", (self.folder / "report.html").read_text())
+
     def test_what_is_no_folder_is_refused(self):
         done = self.run_report(self.folder / "none")
         self.assertNotEqual(done.returncode, 0)

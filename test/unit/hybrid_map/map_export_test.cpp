@@ -1,6 +1,8 @@
 #include "hybrid_map/map_export.h"
 
+#include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +10,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "common/error.h"
+#include "support/full_disk.h"
 #include "support/temporary_folder.h"
 
 namespace hymm::core {
@@ -103,6 +106,67 @@ TEST(MapExport, OctoMapReadsTheSameCells) {
       EXPECT_EQ(tree.search(centre.x(), centre.y(), 0.3), nullptr);
     }
   }
+}
+
+/// One cell, whose picture is much shorter than the description beside it.
+OccupancyImage oneCell() {
+  OccupancyImage image = everyValue();
+  image.corner = {3, 4};
+  image.width = image.height = 1;
+  image.cells = {0};
+  return image;
+}
+
+OccupancyImage inverse(OccupancyImage image) {
+  for (std::int8_t& cell : image.cells) cell = static_cast<std::int8_t>(cell < 0 ? -1 : 100 - cell);
+  return image;
+}
+
+std::size_t filesIn(const test::TemporaryFolder& folder) {
+  const std::filesystem::directory_iterator files(folder.path());
+  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+}
+
+TEST(MapExport, WhoReadsWhileItIsWrittenAgainFindsAWholeFile) {
+  const test::TemporaryFolder folder;
+  const auto writeAll = [&](const OccupancyImage& image) {
+    exportPgm(image, folder / "map");
+    exportOctoMap(image, folder / "map.bt");
+  };
+  writeAll(everyValue());
+  for (const char* name : {"map.pgm", "map.yaml", "map.bt"}) {
+    const std::string before = folder.read(name);
+    std::ifstream reader;
+    reader.rdbuf()->pubsetbuf(nullptr, 0);  // so that it reads no further than it is asked to
+    reader.open(folder / name, std::ios::binary);
+    std::string found(before.size() / 2, '\0');
+    reader.read(found.data(), static_cast<std::streamsize>(found.size()));
+    writeAll(oneCell());
+    std::ostringstream rest;
+    rest << reader.rdbuf();
+    EXPECT_EQ(found + rest.str(), before) << name;
+    EXPECT_NE(folder.read(name), before) << name;
+    writeAll(everyValue());
+  }
+}
+
+TEST(MapExport, AFullDiskLeavesTheFilesBefore) {
+  const test::TemporaryFolder folder;
+  exportPgm(everyValue(), folder / "map");
+  exportOctoMap(everyValue(), folder / "map.bt");
+  const std::string pgm = folder.read("map.pgm"), yaml = folder.read("map.yaml");
+  const std::string octomap = folder.read("map.bt");
+  {
+    const test::FullDisk disk(20);
+    EXPECT_THROW(exportPgm(inverse(everyValue()), folder / "map"), OutputError);
+    // Its picture has room, its description has not: the old one would place the new picture wrong.
+    EXPECT_THROW(exportPgm(oneCell(), folder / "map"), OutputError);
+    EXPECT_THROW(exportOctoMap(inverse(everyValue()), folder / "map.bt"), OutputError);
+  }
+  EXPECT_EQ(folder.read("map.pgm"), pgm);
+  EXPECT_EQ(folder.read("map.yaml"), yaml);
+  EXPECT_EQ(folder.read("map.bt"), octomap);
+  EXPECT_EQ(filesIn(folder), 3U);
 }
 
 TEST(MapExport, SaysWhyNothingIsWritten) {
