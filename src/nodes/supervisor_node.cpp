@@ -334,6 +334,12 @@ void SupervisorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.add("orders to the relocaliser", orders_ - first_order_);
   for (const core::EvidenceFigure& figure : decision_.figures)
     status.add(figure.name, figure.value);
+  if (poses_ > 0 && ros::Time::now().isZero()) {  // a playback before has left the parameter
+    causes_.count("times at which no clock ran",
+                  "use_sim_time is true, but nobody publishes /clock: times that nodes take from "
+                  "it are 0. On a robot, `rosparam set use_sim_time false` and launch anew.");
+    status.mergeSummary(DiagnosticStatus::ERROR, "use_sim_time is true, but there is no /clock");
+  }
   for (const auto& [cause, count] : causes_.counts()) status.add(cause, count);
   for (const auto& [node, count] : watch_.others()) {
     status.add("map -> odom from " + node, count);

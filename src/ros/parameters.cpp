@@ -67,8 +67,8 @@ core::VehicleDescription readVehicle(const ros::NodeHandle& handle, core::Config
   if (!handle.searchParam("vehicle", parameter) || !handle.getParam(parameter, value)) {
     report.warnings.push_back(handle.getNamespace() +
                               ": there is no parameter 'vehicle' here or above; the built-in "
-                              "vehicle is used. Load a dataset's YAML, or set 'vehicle' to a name "
-                              "of config/vehicles.");
+                              "vehicle is used. Give the launch file a YAML file (config:=) that "
+                              "has a 'vehicle', or names one of config/vehicles.");
     return vehicle;
   }
   const YAML::Node node = toYaml(value);
