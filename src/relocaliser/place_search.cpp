@@ -131,6 +131,7 @@ void PlaceSearch::addEngine() {
 }
 
 void PlaceSearch::end() {
+  inquiry_.reset();
   maps_.clear();
   outcome_.reset();
   pose_.reset();
@@ -148,20 +149,44 @@ std::size_t PlaceSearch::mapsLeft() const {
       maps_.begin(), maps_.end(), [](const SearchedMap& map) { return !map.is_left; }));
 }
 
-PlaceSearch::Progress PlaceSearch::work() {
+PlaceSearch::Progress PlaceSearch::work(std::size_t rival_steps) {
   if (!isOn()) return Progress::kNothingWaits;
   const ObservationSet* set = nextSet();
   if (set == nullptr) return Progress::kNothingWaits;
   skipLeft();
-  SearchedMap& map = maps_[turn_++];
-  map.outcome = map.engine.process(*set);
+  if (turn_ < maps_.size()) {
+    if (!isLookedIn(maps_[turn_], *set, rival_steps)) return Progress::kPieceDone;
+    ++turn_;
+    skipLeft();
+    if (turn_ < maps_.size()) return Progress::kPieceDone;
+    weighMaps(set->time_s);
+  }
+  const std::optional<bool> has_rival_map = findRivalMap(rival_steps);
+  if (!has_rival_map) return Progress::kPieceDone;
+  finishScan(set->time_s, *has_rival_map);
+  return Progress::kScanDone;
+}
+
+/// Whether the scan is done in the map. That another place in it may be a rival is a question of
+/// several pieces.
+bool PlaceSearch::isLookedIn(SearchedMap& map, const ObservationSet& set, std::size_t rival_steps) {
+  if (!inquiry_) {
+    map.outcome = map.engine.look(set);
+    if (map.outcome && map.outcome->is_unsettled) {
+      inquiry_.emplace(map.engine, map.outcome->T_map_base,
+                       std::vector<const LocalMap*>{&map.engine.map()});
+      return false;
+    }
+  } else {
+    const std::optional<bool> has_rival = inquiry_->work(rival_steps);
+    if (!has_rival) return false;
+    inquiry_.reset();
+    map.engine.settle(*map.outcome, *has_rival);
+  }
   const bool has_place = map.outcome && !map.outcome->modes.empty();
   map.log_likelihood = has_place ? map.engine.logLikelihoodAt(map.outcome->modes.front().mean)
                                  : -std::numeric_limits<double>::infinity();
-  skipLeft();
-  if (turn_ < maps_.size()) return Progress::kPieceDone;
-  finishScan(set->time_s);
-  return Progress::kScanDone;
+  return true;
 }
 
 /// Lets all maps have the motion up to the next set; null if none waits.
@@ -181,17 +206,8 @@ void PlaceSearch::skipLeft() {
   while (turn_ < maps_.size() && maps_[turn_].is_left) ++turn_;
 }
 
-void PlaceSearch::finishScan(double time_s) {
-  ++next_;
-  turn_ = 0;
-  time_s_ = time_s;
-  weighMaps();
-  judgeMaps();
-  restartIfDue();
-}
-
 /// By how well each explains the last scans.
-void PlaceSearch::weighMaps() {
+void PlaceSearch::weighMaps(double time_s) {
   double greatest = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < maps_.size(); ++i) {
     if (maps_[i].is_left || maps_[i].log_likelihood <= greatest) continue;
@@ -199,10 +215,10 @@ void PlaceSearch::weighMaps() {
     best_ = i;
   }
   if (!std::isfinite(greatest)) return;
-  if (scans_ == 0) told_from_s_ = time_s_;
+  if (scans_ == 0) told_from_s_ = time_s;
   ++scans_;
   const bool has_recent = scans_ >= static_cast<int>(RecentScans::kFewest) &&
-                          time_s_ - told_from_s_ > kMostOfRecent * config_.recent_s;
+                          time_s - told_from_s_ > kMostOfRecent * config_.recent_s;
   double sum = 0.0;
   for (std::size_t i = 0; i < maps_.size(); ++i) {
     SearchedMap& map = maps_[i];
@@ -225,29 +241,6 @@ bool PlaceSearch::isSamePlace(const SearchedMap& map) const {
 bool PlaceSearch::isElsewhere(const Pose2& apart) const {
   return apart.position().norm() > config_.rival_distance_m ||
          std::abs(apart.yaw_rad) > config_.rival_angle_rad;
-}
-
-/// The best map's outcome, unless another one knows a place that explains the last scans, too.
-void PlaceSearch::judgeMaps() {
-  outcome_ = maps_[best_].outcome;
-  pose_.reset();
-  if (!outcome_ || outcome_->modes.empty()) return;
-  pose_ = spreadOfAll();
-  outcome_->particles = 0;
-  for (const SearchedMap& map : maps_) {
-    if (!map.is_left && map.outcome) outcome_->particles += map.outcome->particles;
-  }
-  if (!outcome_->converged) {
-    unrivalled_.reset();
-  } else if (unrivalled_ == best_) {
-    return;
-  } else if (!hasRivalMap()) {
-    unrivalled_ = best_;
-  } else {
-    unrivalled_.reset();
-    outcome_->converged = false;
-    outcome_->doubt = "a place in another part of the map explains the last scans nearly as well";
-  }
 }
 
 PosePrior PlaceSearch::spreadOfAll() const {
@@ -273,19 +266,58 @@ bool PlaceSearch::hasRivalMode() const {
   const double of_best = maps_[best_].log_likelihood;
   return std::any_of(maps_.begin(), maps_.end(), [&](const SearchedMap& map) {
     if (map.is_left || !std::isfinite(map.log_likelihood)) return false;
-    const Pose2 apart = inverse(outcome_->T_map_base) * map.outcome->T_map_base;
+    const Pose2 apart = inverse(maps_[best_].outcome->T_map_base) * map.outcome->T_map_base;
     return isElsewhere(apart) && of_best - map.log_likelihood < config_.convergence.rival_margin;
   });
 }
 
-/// Whether another place in another map is one. Those that were left are asked, too: their
-/// particles may have missed it.
-bool PlaceSearch::hasRivalMap() const {
-  if (hasRivalMode()) return true;
-  const Relocaliser& best = maps_[best_].engine;
-  return std::any_of(maps_.begin(), maps_.end(), [&](const SearchedMap& map) {
-    return &map.engine != &best && best.hasRivalIn(map.engine.map(), outcome_->T_map_base);
-  });
+/// Whether another place in another map is a rival of the best one's; nothing: it is not known yet.
+std::optional<bool> PlaceSearch::findRivalMap(std::size_t rival_steps) {
+  const SearchedMap& best = maps_[best_];
+  if (!best.outcome || !best.outcome->converged || unrivalled_ == best_) return false;
+  if (!inquiry_) {
+    if (hasRivalMode()) return true;
+    inquiry_.emplace(best.engine, best.outcome->T_map_base, otherMaps());
+    return std::nullopt;
+  }
+  const std::optional<bool> has_rival = inquiry_->work(rival_steps);
+  if (has_rival) inquiry_.reset();
+  return has_rival;
+}
+
+/// Than the best. Those that were left are asked, too: their particles may have missed the place.
+std::vector<const LocalMap*> PlaceSearch::otherMaps() const {
+  std::vector<const LocalMap*> others;
+  for (std::size_t i = 0; i < maps_.size(); ++i) {
+    if (i != best_) others.push_back(&maps_[i].engine.map());
+  }
+  return others;
+}
+
+/// With the best map's outcome, unless another one knows a place that explains the last scans, too.
+void PlaceSearch::finishScan(double time_s, bool has_rival_map) {
+  ++next_;
+  turn_ = 0;
+  time_s_ = time_s;
+  outcome_ = maps_[best_].outcome;
+  pose_.reset();
+  if (outcome_ && !outcome_->modes.empty()) tellBest(has_rival_map);
+  restartIfDue();
+}
+
+void PlaceSearch::tellBest(bool has_rival_map) {
+  pose_ = spreadOfAll();
+  outcome_->particles = 0;
+  for (const SearchedMap& map : maps_) {
+    if (!map.is_left && map.outcome) outcome_->particles += map.outcome->particles;
+  }
+  unrivalled_.reset();
+  if (has_rival_map) {
+    outcome_->converged = false;
+    outcome_->doubt = "a place in another part of the map explains the last scans nearly as well";
+  } else if (outcome_->converged) {
+    unrivalled_ = best_;
+  }
 }
 
 /// The vehicle may have driven from one map into another, or have seen too little at first.

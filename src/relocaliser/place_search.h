@@ -10,6 +10,7 @@
 #include "cekf/resumption.h"
 #include "cekf/vehicle_among_landmarks.h"
 #include "relocaliser/relocaliser.h"
+#include "relocaliser/rival_inquiry.h"
 
 namespace hymm::core {
 
@@ -50,10 +51,15 @@ class PlaceSearch {
     kPieceDone,  ///< a part of a scan was done
     kScanDone    ///< a scan is done: outcome() and pose() are of it
   };
-  /// One scan in one map.
-  Progress work();
+  /// Steps of a piece of the search for rivals: about a millisecond.
+  static constexpr std::size_t kPieceSteps = 200000;
+
+  /// One scan in one map, or a piece of the search for rivals of what was found.
+  Progress work(std::size_t rival_steps = kPieceSteps);
 
   bool isOn() const { return !maps_.empty(); }
+  /// Whether the next piece is one of the search for rivals.
+  bool isSearchingRivals() const { return inquiry_.has_value(); }
   /// Why the search that was on had to be ended; empty if it did not.
   const std::string& failure() const { return failure_; }
   /// Stamp of the scan that was done last.
@@ -89,13 +95,15 @@ class PlaceSearch {
   void beginAt(double now_s, double earliest_s);
   const ObservationSet* nextSet();
   void skipLeft();
-  void finishScan(double time_s);
-  void weighMaps();
-  void judgeMaps();
+  bool isLookedIn(SearchedMap& map, const ObservationSet& set, std::size_t rival_steps);
+  void weighMaps(double time_s);
+  std::optional<bool> findRivalMap(std::size_t rival_steps);
+  std::vector<const LocalMap*> otherMaps() const;
+  void finishScan(double time_s, bool has_rival_map);
+  void tellBest(bool has_rival_map);
   PosePrior spreadOfAll() const;
   bool isSamePlace(const SearchedMap& map) const;
   bool isElsewhere(const Pose2& apart) const;
-  bool hasRivalMap() const;
   bool hasRivalMode() const;
   void restartIfDue();
 
@@ -111,8 +119,9 @@ class PlaceSearch {
   std::vector<SearchedMap> maps_;
   std::vector<double> shares_;  ///< of the weight, by map
   std::size_t next_ = 0;        ///< of what was kept, counted from the start: to be done next
-  std::size_t turn_ = 0;        ///< the map that does it next
+  std::size_t turn_ = 0;        ///< the map that does it next; beyond the last: they are judged
   std::size_t best_ = 0;
+  std::optional<RivalInquiry> inquiry_;    ///< about the map whose turn it is, or about the best
   std::optional<std::size_t> unrivalled_;  ///< the map whose outcome no other has a rival of
   int scans_ = 0;                          ///< that told something since the maps began
   double told_from_s_ = 0.0;               ///< stamp of the first of them

@@ -16,6 +16,9 @@ using Eigen::Vector2d;
 constexpr double kCellShare = 1.0 / 3.0;
 constexpr double kMostCells = 1e6;
 
+// Of whose values logarithms are taken in one step.
+constexpr std::size_t kCellsAtOnce = 65536;
+
 // Of the grid that tells which landmarks are near a place.
 constexpr double kLeastBucket_m = 2.0;
 constexpr double kMostBuckets = 1e5;
@@ -25,17 +28,9 @@ constexpr double kMostBuckets = 1e5;
 Raster::Raster(const Eigen::AlignedBox2d& box, double cell)
     : origin(box.min()),
       cell_m(cell),
+      per_m(1.0 / cell),
       width(static_cast<std::int64_t>(box.sizes().x() / cell) + 1),
       height(static_cast<std::int64_t>(box.sizes().y() / cell) + 1) {}
-
-std::int64_t Raster::cellOf(const Vector2d& place) const {
-  const double u = (place.x() - origin.x()) / cell_m, v = (place.y() - origin.y()) / cell_m;
-  if (!(u >= 0.0 && v >= 0.0 && u < static_cast<double>(width) &&
-        v < static_cast<double>(height))) {
-    return -1;
-  }
-  return static_cast<std::int64_t>(v) * width + static_cast<std::int64_t>(u);
-}
 
 DensityKernel::DensityKernel(const LocalLandmark& landmark, double deviation_m,
                              double clutter_per_m2)
@@ -78,19 +73,40 @@ PointBounds::Tables PointBounds::tables(double radius_m) const {
   if (cell_m > radius_m) return tables;
   tables.raster = Raster(box, cell_m);
   // A place is within half of the diagonal of its cell's centre.
-  const double widened_m = radius_m + cell_m * std::sqrt(0.5);
-  for (const std::vector<DensityKernel>& kernels : kernels_) {
-    std::vector<float>& table = tables.values.emplace_back(tables.raster.size(), 0.0F);
-    for (const DensityKernel& kernel : kernels) {
-      tables.raster.visitAround(kernel.position, kernel.reach_m() + widened_m,
-                                [&](std::size_t cell, const Vector2d& centre) {
-                                  table[cell] +=
-                                      static_cast<float>(kernel.greatestWithin(centre, widened_m));
-                                });
-    }
-    for (float& value : table) value = value == 0.0F ? 0.0F : std::log1p(value);
-  }
+  tables.widened_m = radius_m + cell_m * std::sqrt(0.5);
+  tables.values.resize(kernels_.size());
   return tables;
+}
+
+/// For each deviation the landmarks come first, then the logarithms.
+std::optional<std::size_t> PointBounds::fill(Tables& tables) const {
+  const std::size_t cells = tables.raster.size();
+  const std::size_t landmarks = kernels_.empty() ? 0 : kernels_.front().size();
+  const std::size_t steps = landmarks + (cells + kCellsAtOnce - 1) / kCellsAtOnce;
+  if (tables.steps >= steps * tables.values.size()) return std::nullopt;
+  const std::size_t deviation = tables.steps / steps, step = tables.steps % steps;
+  ++tables.steps;
+  std::vector<float>& table = tables.values[deviation];
+  if (step == 0) table.assign(cells, 0.0F);
+  if (step < landmarks) return enter(kernels_[deviation][step], tables, table);
+  const std::size_t first = (step - landmarks) * kCellsAtOnce;
+  const std::size_t end = std::min(cells, first + kCellsAtOnce);
+  for (std::size_t i = first; i < end; ++i) {
+    table[i] = table[i] == 0.0F ? 0.0F : std::log1p(table[i]);
+  }
+  return end - first;
+}
+
+std::size_t PointBounds::enter(const DensityKernel& kernel, const Tables& tables,
+                               std::vector<float>& table) const {
+  std::size_t cells = 0;
+  tables.raster.visitAround(
+      kernel.position, kernel.reach_m() + tables.widened_m,
+      [&](std::size_t cell, const Vector2d& centre) {
+        table[cell] += static_cast<float>(kernel.greatestWithin(centre, tables.widened_m));
+        ++cells;
+      });
+  return cells;
 }
 
 void PointBounds::prepareNear(double radius_m) {

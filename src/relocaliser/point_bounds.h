@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace hymm::core {
 struct Raster {
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();
   double cell_m = 1.0;
+  double per_m = 1.0;  ///< cells
   std::int64_t width = 0, height = 0;
 
   Raster() = default;
@@ -24,7 +26,14 @@ struct Raster {
 
   std::size_t size() const { return static_cast<std::size_t>(width * height); }
   /// -1 beyond the border.
-  std::int64_t cellOf(const Eigen::Vector2d& place) const;
+  std::int64_t cellOf(const Eigen::Vector2d& place) const {
+    const double u = (place.x() - origin.x()) * per_m, v = (place.y() - origin.y()) * per_m;
+    if (!(u >= 0.0 && v >= 0.0 && u < static_cast<double>(width) &&
+          v < static_cast<double>(height))) {
+      return -1;
+    }
+    return static_cast<std::int64_t>(v) * width + static_cast<std::int64_t>(u);
+  }
   /// Calls `visit(cell, centre)` for all cells whose centre is within `radius_m`, and some more.
   template <class Visit>
   void visitAround(const Eigen::Vector2d& place, double radius_m, Visit visit) const {
@@ -76,9 +85,15 @@ class PointBounds {
   /// would need cells larger than that.
   struct Tables {
     Raster raster;
+    double widened_m = 0.0;                  ///< the radius around a cell's centre
     std::vector<std::vector<float>> values;  ///< by deviation
+    std::size_t steps = 0;                   ///< done by fill()
   };
+  /// Still to be filled.
   Tables tables(double radius_m) const;
+  /// One step: enters a landmark, or finishes some cells. Gives the number of cells that it took
+  /// care of; nothing if all was done.
+  std::optional<std::size_t> fill(Tables& tables) const;
 
   /// To be called before near(): for radii up to this.
   void prepareNear(double radius_m);
@@ -86,6 +101,8 @@ class PointBounds {
   double near(std::size_t deviation, const Eigen::Vector2d& place, double radius_m) const;
 
  private:
+  std::size_t enter(const DensityKernel& kernel, const Tables& tables,
+                    std::vector<float>& table) const;
   /// Where landmarks have an effect.
   Eigen::AlignedBox2d widened(double by_m) const;
 

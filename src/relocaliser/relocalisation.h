@@ -60,8 +60,8 @@ class Relocalisation {
   /// What the filter took of a scan, and its pose then.
   void take(const ObservationSet& observations, const PoseEstimate& pose);
 
-  /// A piece of what is to be done: one local map is made, or one scan looked at in one of them.
-  /// False if nothing was left to do.
+  /// A piece of what is to be done: one local map is made, one scan looked at in one of them, or a
+  /// part of the search for rivals. False if nothing was left to do.
   bool work();
 
   /// The next order is to look there.

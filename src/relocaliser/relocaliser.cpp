@@ -68,6 +68,15 @@ bool Relocaliser::process(const MotionInput& input) {
 }
 
 std::optional<RelocaliserOutcome> Relocaliser::process(const ObservationSet& set) {
+  std::optional<RelocaliserOutcome> outcome = look(set);
+  if (outcome && outcome->is_unsettled) {
+    const RivalAnswer answer = findRival(rivalQuestion(map_, outcome->T_map_base));
+    settle(*outcome, answer.kind != RivalAnswer::Kind::kNoRival);
+  }
+  return outcome;
+}
+
+std::optional<RelocaliserOutcome> Relocaliser::look(const ObservationSet& set) {
   if (!begun_) return std::nullopt;
   const std::vector<ObservedPoint> points = observedPoints(set, config_.density.min_deviation_m);
   if (!std::isfinite(set.time_s) || (time_s_ && set.time_s <= *time_s_)) {
@@ -152,37 +161,38 @@ RelocaliserOutcome Relocaliser::judge(const std::vector<ObservedPoint>& points,
   if (outcome.doubt.empty()) {
     held_.add(*time_s_, outcome.explanation, motion_.T_begin_end().position().norm());
     outcome.doubt = findDoubt(held_, config_.convergence);
-    if (outcome.doubt.empty() && !is_unrivalled_) {
-      is_unrivalled_ = !hasRivalIn(map_, outcome.T_map_base);
-    }
-    if (outcome.doubt.empty() && !is_unrivalled_) {
-      ++counts_.rivals;
-      outcome.doubt = "another place explains the last scans nearly as well";
-    }
+    outcome.is_unsettled = outcome.doubt.empty() && !is_unrivalled_;
   } else {
     held_.clear();
     is_unrivalled_ = false;
   }
   outcome.held_scans = held_.scans();
-  outcome.converged = outcome.doubt.empty();
+  outcome.converged = outcome.doubt.empty() && !outcome.is_unsettled;
   return outcome;
 }
 
-bool Relocaliser::hasRivalIn(const LocalMap& map, const Pose2& T_map_believed) const {
-  const std::vector<ObservedPoint> points = recent_.points();
+void Relocaliser::settle(RelocaliserOutcome& outcome, bool has_rival) {
+  is_unrivalled_ = !has_rival;
+  outcome.is_unsettled = false;
+  outcome.converged = is_unrivalled_;
+  if (is_unrivalled_) return;
+  ++counts_.rivals;
+  outcome.doubt = "another place explains the last scans nearly as well";
+}
+
+RivalQuestion Relocaliser::rivalQuestion(const LocalMap& map, const Pose2& T_map_believed) const {
   const double of_believed = logLikelihoodAt(inverse(map_.T_map_local) * T_map_believed);
-  const RivalQuestion question{map.landmarks,
-                               points,
-                               viewArea_m2(),
-                               config_.density,
-                               prior_,
-                               config_.local_map.prior_deviations,
-                               inverse(map.T_map_local) * T_map_believed,
-                               config_.rival_distance_m,
-                               config_.rival_angle_rad,
-                               of_believed - config_.convergence.rival_margin,
-                               static_cast<std::size_t>(config_.rival_bounds)};
-  return findRival(question).kind != RivalAnswer::Kind::kNone;
+  return {map.landmarks,
+          recent_.points(),
+          viewArea_m2(),
+          config_.density,
+          prior_,
+          config_.local_map.prior_deviations,
+          inverse(map.T_map_local) * T_map_believed,
+          config_.rival_distance_m,
+          config_.rival_angle_rad,
+          of_believed - config_.convergence.rival_margin,
+          static_cast<std::size_t>(config_.rival_bounds)};
 }
 
 }  // namespace hymm::core

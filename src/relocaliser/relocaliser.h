@@ -16,6 +16,8 @@
 
 namespace hymm::core {
 
+struct RivalQuestion;
+
 /// What a scan told.
 struct RelocaliserOutcome {
   double time_s = 0.0;
@@ -26,10 +28,11 @@ struct RelocaliserOutcome {
   std::size_t particles = 0;
   double effective_number = 0.0;
   bool resampled = false;
-  Explanation explanation;  ///< of this scan by the heaviest mode
-  int held_scans = 0;       ///< in a row without doubt
-  bool converged = false;   ///< without doubt, held, and no rival
-  std::string doubt;        ///< why not, in words
+  Explanation explanation;    ///< of this scan by the heaviest mode
+  int held_scans = 0;         ///< in a row without doubt
+  bool converged = false;     ///< without doubt, held, and no rival
+  bool is_unsettled = false;  ///< all else speaks for it, but a rival has not been looked for yet
+  std::string doubt;          ///< why it has not converged, in words
 };
 
 /// Finds the vehicle in a map of landmarks by a particle filter that associates nothing. Runs from
@@ -59,14 +62,18 @@ class Relocaliser {
   bool process(const MotionInput& input);
   /// Nothing before begin(), and for a set that is refused or too poor to begin with.
   std::optional<RelocaliserOutcome> process(const ObservationSet& set);
+  /// The same without looking for a rival, which takes long: an outcome that is unsettled has to be
+  /// settled before the next input.
+  std::optional<RelocaliserOutcome> look(const ObservationSet& set);
+  /// Of the last look(): whether a place in map() is a rival.
+  void settle(RelocaliserOutcome& outcome, bool has_rival);
 
   /// How well the last scans together are explained from a place (local frame), as a log likelihood
   /// that is zero where nothing is explained.
   double logLikelihoodAt(const Pose2& place) const;
-  /// Whether a place in `map` (of another search, or of this one) may explain the last scans nearly
-  /// as well as `believed` (map frame) does in this one, elsewhere than there. Not proven not to
-  /// counts as a rival.
-  bool hasRivalIn(const LocalMap& map, const Pose2& T_map_believed) const;
+  /// Whether a place in `map` (of another search, or of this one) explains the last scans nearly as
+  /// well as `T_map_believed` does in this one, elsewhere than there.
+  RivalQuestion rivalQuestion(const LocalMap& map, const Pose2& T_map_believed) const;
   const ParticleSet& particles() const { return filter_.particles(); }
   const LocalMap& map() const { return map_; }
   /// Where the vehicle may be by its prior and the motion up to the last scan, local frame;

@@ -7,18 +7,16 @@
 #include <map>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "common/angles.h"
 #include "relocaliser/point_bounds.h"
+#include "relocaliser/prior_limit.h"
 
 namespace hymm::core {
 namespace {
 
 using Eigen::Vector2d;
-using Eigen::Vector3d;
 
 // By how much a point moves within the boxes of the first level, at most. Larger boxes exclude
 // nothing where landmarks stand as near as that; each level halves it.
@@ -35,45 +33,11 @@ constexpr double kLeafShare = 1.0 / 32.0;
 // and are computed.
 constexpr double kLeastTabled_m = 0.5;
 
-/// The ellipsoid that the prior leaves.
-class PriorLimit {
- public:
-  explicit PriorLimit(const RivalQuestion& question) : limit_(question.prior_deviations) {
-    if (!question.prior) return;
-    mean_ = question.prior->mean;
-    // A prior that is exact in some direction still has some width.
-    const Eigen::Matrix3d P = question.prior->covariance + 1e-6 * Eigen::Matrix3d::Identity();
-    factor_.emplace(P);
-    const Eigen::Matrix3d inverse = P.inverse();
-    per_m_ = std::sqrt(greatestVariance(inverse.topLeftCorner<2, 2>()));
-    per_rad_ = std::sqrt(inverse(2, 2));
-    reach_m_ = limit_ * std::sqrt(greatestVariance(P.topLeftCorner<2, 2>()));
-    reach_rad_ = limit_ * std::sqrt(P(2, 2));
-  }
-  /// Whether no pose that is nearer than these to `pose` is within it.
-  bool excludes(const Pose2& pose, double within_m, double within_rad) const {
-    if (!factor_) return false;
-    Vector3d d = pose.vector() - mean_.vector();
-    d[2] = wrapAngle(d[2]);
-    double deviations = std::sqrt(d.dot(factor_->solve(d)));
-    if (std::abs(d[2]) + within_rad > kPi) {  // some of them are nearer the other way round
-      d[2] -= std::copysign(2.0 * kPi, d[2]);
-      deviations = std::min(deviations, std::sqrt(d.dot(factor_->solve(d))));
-    }
-    return deviations - within_m * per_m_ - within_rad * per_rad_ > limit_;
-  }
-  bool isOn() const { return factor_.has_value(); }
-  const Pose2& mean() const { return mean_; }
-  double reach_m() const { return reach_m_; }
-  double reach_rad() const { return reach_rad_; }
+// Steps that a box takes beside the bounds on points.
+constexpr std::size_t kStepsOfBox = 10;
 
- private:
-  double limit_;
-  Pose2 mean_;
-  std::optional<Eigen::LLT<Eigen::Matrix3d>> factor_;
-  double per_m_ = 0.0, per_rad_ = 0.0;  ///< most deviations that a metre or a radian makes
-  double reach_m_ = 0.0, reach_rad_ = 0.0;
-};
+// The same of a cell of a table that a landmark is entered into.
+constexpr std::size_t kStepsOfCell = 2;
 
 /// Poses: where the middle of the points comes to lie, within a square, and the heading.
 struct Box {
@@ -88,31 +52,46 @@ struct Level {
   PointBounds::Tables tables;  ///< without values: bounds are computed
 };
 
-class RivalSearch {
+}  // namespace
+
+class RivalSearch::Boxes {
  public:
-  explicit RivalSearch(const RivalQuestion& question)
-      : question_(question), prior_(question), bounds_(makeBounds()) {
+  explicit Boxes(RivalQuestion question)
+      : question_(std::move(question)),
+        prior_(question_.prior, question_.prior_deviations),
+        bounds_(makeBounds()) {
     takePoints();
     makeLevels();
+    if (domain().isEmpty()) kind_ = Kind::kNoRival;
   }
 
-  RivalAnswer answer() {
-    RivalAnswer answer;
-    answer.kind = search();
-    answer.bounds = used_;
-    return answer;
+  std::optional<RivalAnswer> work(std::size_t steps) {
+    steps_ = 0;
+    while (!kind_ && steps_ < steps) goOn();
+    if (!kind_) return std::nullopt;
+    return RivalAnswer{*kind_, used_};
   }
 
  private:
   using Kind = RivalAnswer::Kind;
+  enum class Stage { kTables, kRoots, kBoxes };
 
   struct Point {
     Vector2d arm;  ///< from the middle of the points
     std::size_t deviation = 0;
   };
   struct Root {
-    Box box;
     double bound = 0.0;
+    std::size_t number = 0;
+    /// The greatest bound comes first; of equal ones the first.
+    bool operator<(const Root& other) const {
+      return bound != other.bound ? bound < other.bound : number > other.number;
+    }
+  };
+  /// A box that is being split.
+  struct Split {
+    Box box;
+    int part = 0;  ///< that comes next
   };
 
   PointBounds makeBounds() {
@@ -153,6 +132,13 @@ class RivalSearch {
       if (radius_m <= kLeafShare * finest_m) break;
     }
     bounds_.prepareNear(computed_m);
+    const auto yaws =
+        static_cast<std::size_t>(std::lround(yawReach() / levels_.front().half_yaw_rad));
+    const Vector2d counts = squares(coarsest_m);
+    root_count_ =
+        yaws * static_cast<std::size_t>(counts.x()) * static_cast<std::size_t>(counts.y());
+    unlimited_.assign(points_.size() + 1, kUnlimited);
+    unlimited_.back() = 0.0;
     remaining_.assign(levels_.size(), std::vector<double>(points_.size() + 1, 0.0));
   }
 
@@ -178,41 +164,58 @@ class RivalSearch {
   }
   double rootCount(double radius_m) const { return squares(radius_m).prod() * yawCount(radius_m); }
 
-  Kind search() {
-    if (domain().isEmpty()) return Kind::kNone;
-    std::vector<Root> roots = findRoots();
-    std::stable_sort(roots.begin(), roots.end(),
-                     [](const Root& a, const Root& b) { return a.bound > b.bound; });
-    std::vector<double> unlimited(points_.size() + 1, kUnlimited);
-    unlimited.back() = 0.0;
-    for (const Root& root : roots) {
-      if (isUsedUp()) return Kind::kUndecided;
-      bound(0, root.box, unlimited);
-      const Kind kind = split(0, root.box);
-      if (kind != Kind::kNone) return kind;
+  void goOn() {
+    if (stage_ == Stage::kTables) {
+      fillTables();
+    } else if (stage_ == Stage::kRoots) {
+      tryRoot();
+    } else if (splits_.empty()) {
+      takeRoot();
+    } else {
+      tryPart();
     }
-    return isUsedUp() ? Kind::kUndecided : Kind::kNone;
   }
 
-  std::vector<Root> findRoots() {
-    const Level& level = levels_.front();
-    const auto yaws = static_cast<int>(std::lround(yawReach() / level.half_yaw_rad));
-    const Vector2d counts = squares(level.radius_m);
-    const std::vector<double> most = mostOfAll();
-    std::vector<Root> roots;
-    for (int k = 0; k < yaws; ++k) {
-      const double yaw = prior_.mean().yaw_rad - yawReach() + (2 * k + 1) * level.half_yaw_rad;
-      for (int v = 0; v < static_cast<int>(counts.y()); ++v) {
-        for (int u = 0; u < static_cast<int>(counts.x()); ++u) {
-          const Box box{domain().min() + level.half_m * Vector2d(2 * u + 1, 2 * v + 1), yaw};
-          if (isUsedUp()) return roots;
-          if (isExcluded(level, box)) continue;
-          const double most_here = bound(0, box, most);
-          if (most_here > question_.log_likelihood) roots.push_back({box, most_here});
-        }
+  void fillTables() {
+    while (filled_ < levels_.size()) {
+      const std::optional<std::size_t> cells = bounds_.fill(levels_[filled_].tables);
+      if (cells) {
+        steps_ += kStepsOfCell * *cells;
+        return;
       }
+      ++filled_;
     }
-    return roots;
+    most_ = mostOfAll();
+    stage_ = Stage::kRoots;
+  }
+
+  void tryRoot() {
+    if (next_root_ == root_count_) {
+      stage_ = Stage::kBoxes;
+      return;
+    }
+    steps_ += kStepsOfBox;
+    const std::size_t number = next_root_++;
+    const Box box = rootBox(number);
+    if (isUsedUp()) {
+      stage_ = Stage::kBoxes;
+      return;
+    }
+    if (isExcluded(levels_.front(), box)) return;
+    const double most_here = bound(0, box, most_);
+    if (most_here <= question_.log_likelihood) return;
+    roots_.push_back({most_here, number});
+    std::push_heap(roots_.begin(), roots_.end());
+  }
+
+  Box rootBox(std::size_t number) const {
+    const Level& level = levels_.front();
+    const auto across = static_cast<std::size_t>(squares(level.radius_m).x());
+    const auto along = static_cast<std::size_t>(squares(level.radius_m).y());
+    const auto odd = [](std::size_t count) { return static_cast<double>(2 * count + 1); };
+    const Vector2d place(odd(number % across), odd(number / across % along));
+    const double turn = odd(number / across / along) * level.half_yaw_rad;
+    return {domain().min() + level.half_m * place, prior_.mean().yaw_rad - yawReach() + turn};
   }
 
   /// What the points from each on are worth at most, anywhere.
@@ -263,6 +266,7 @@ class RivalSearch {
       values[k] = boundOfPoint(level, points_[k], place);
       sum += values[k];
       ++used_;
+      ++steps_;
       if (sum + most_of_rest[k + 1] <= question_.log_likelihood) return -kUnlimited;
     }
     for (std::size_t k = points_.size(); k-- > 0;) values[k] += values[k + 1];
@@ -280,22 +284,49 @@ class RivalSearch {
         level.tables.values[point.deviation][static_cast<std::size_t>(cell)]);
   }
 
-  /// Of a box whose own bound is in remaining_.
-  Kind split(std::size_t depth, const Box& box) {
-    if (depth + 1 == levels_.size()) return Kind::kRival;
-    const Level& level = levels_[depth + 1];
-    for (int part = 0; part < 8; ++part) {
-      const auto side = [&](int bit) { return (part & bit) != 0 ? 1.0 : -1.0; };
-      const Box child{box.middle + level.half_m * Vector2d(side(1), side(2)),
-                      box.yaw_rad + side(4) * level.half_yaw_rad};
-      if (isExcluded(level, child)) continue;
-      if (isUsedUp()) return Kind::kUndecided;
-      if (bound(depth + 1, child, remaining_[depth]) <= question_.log_likelihood) continue;
-      if (level.tables.values.empty() && isRival(child)) return Kind::kRival;
-      const Kind kind = split(depth + 1, child);
-      if (kind != Kind::kNone) return kind;
+  void takeRoot() {
+    if (isUsedUp()) {
+      kind_ = Kind::kUndecided;
+    } else if (roots_.empty()) {
+      kind_ = Kind::kNoRival;
+    } else {
+      std::pop_heap(roots_.begin(), roots_.end());
+      const Box box = rootBox(roots_.back().number);
+      roots_.pop_back();
+      bound(0, box, unlimited_);
+      split(box);
     }
-    return Kind::kNone;
+  }
+
+  /// Of a box whose own bound is in remaining_.
+  void split(const Box& box) {
+    splits_.push_back({box, 0});
+    if (splits_.size() == levels_.size()) kind_ = Kind::kRival;
+  }
+
+  void tryPart() {
+    if (splits_.back().part == kParts) {
+      splits_.pop_back();
+      return;
+    }
+    steps_ += kStepsOfBox;
+    const std::size_t depth = splits_.size();
+    const Level& level = levels_[depth];
+    const Box& box = splits_.back().box;
+    const int part = splits_.back().part++;
+    const auto side = [&](int bit) { return (part & bit) != 0 ? 1.0 : -1.0; };
+    const Box child{box.middle + level.half_m * Vector2d(side(1), side(2)),
+                    box.yaw_rad + side(4) * level.half_yaw_rad};
+    if (isExcluded(level, child)) return;
+    if (isUsedUp()) {
+      kind_ = Kind::kUndecided;
+    } else if (bound(depth, child, remaining_[depth - 1]) > question_.log_likelihood) {
+      if (level.tables.values.empty() && isRival(child)) {
+        kind_ = Kind::kRival;
+      } else {
+        split(child);
+      }
+    }
   }
 
   /// Whether the middle of the box is one.
@@ -308,12 +339,14 @@ class RivalSearch {
       sum += bounds_.near(point.deviation, box.middle + R * point.arm, 0.0);
     }
     used_ += points_.size();
+    steps_ += points_.size();
     return sum > question_.log_likelihood;
   }
 
   static constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  static constexpr int kParts = 8;
 
-  const RivalQuestion& question_;
+  RivalQuestion question_;
   PriorLimit prior_;
   std::map<double, std::size_t> index_;  ///< of the points' deviations
   PointBounds bounds_;
@@ -322,16 +355,43 @@ class RivalSearch {
   double longest_m_ = 0.0;  ///< arm
   std::vector<Level> levels_;
   std::vector<std::vector<double>> remaining_;  ///< by level: of the points from each on
-  std::size_t used_ = 0;
+  std::vector<double> unlimited_, most_;        ///< the same, not known, and anywhere
+  Stage stage_ = Stage::kTables;
+  std::size_t filled_ = 0;  ///< levels
+  std::size_t root_count_ = 0;
+  std::size_t next_root_ = 0;  ///< to be looked at
+  std::vector<Root> roots_;    ///< to be split, as a heap
+  std::vector<Split> splits_;  ///< one a level, from the root on
+  std::optional<Kind> kind_;
+  std::size_t used_ = 0;   ///< bounds on points
+  std::size_t steps_ = 0;  ///< of the piece
 };
 
-}  // namespace
-
-RivalAnswer findRival(const RivalQuestion& question) {
-  if (!(question.log_likelihood >= 0.0)) return {RivalAnswer::Kind::kRival, 0};
+RivalSearch::RivalSearch(RivalQuestion question) {
   const bool explains_nothing = question.landmarks.empty() || question.points.empty();
-  if (explains_nothing) return {RivalAnswer::Kind::kNone, 0};
-  return RivalSearch(question).answer();
+  if (!(question.log_likelihood >= 0.0)) {
+    answer_ = {RivalAnswer::Kind::kRival, 0};
+  } else if (explains_nothing) {
+    answer_ = {RivalAnswer::Kind::kNoRival, 0};
+  } else {
+    boxes_ = std::make_unique<Boxes>(std::move(question));
+  }
+}
+
+RivalSearch::~RivalSearch() = default;
+RivalSearch::RivalSearch(RivalSearch&& other) noexcept = default;
+RivalSearch& RivalSearch::operator=(RivalSearch&& other) noexcept = default;
+
+std::optional<RivalAnswer> RivalSearch::work(std::size_t steps) {
+  if (answer_) return answer_;
+  answer_ = boxes_->work(steps);
+  if (answer_) boxes_.reset();
+  return answer_;
+}
+
+RivalAnswer findRival(RivalQuestion question) {
+  RivalSearch search(std::move(question));
+  return *search.work(std::numeric_limits<std::size_t>::max());
 }
 
 }  // namespace hymm::core

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -11,8 +12,8 @@ namespace hymm::core {
 
 /// A place that is believed, and what makes another one its rival.
 struct RivalQuestion {
-  const std::vector<LocalLandmark>& landmarks;
-  const std::vector<ObservedPoint>& points;  ///< of the last scans, in the vehicle's present axes
+  std::vector<LocalLandmark> landmarks;
+  std::vector<ObservedPoint> points;  ///< of the last scans, in the vehicle's present axes
   double view_m2 = 0.0;
   DensityConfig density;
   std::optional<PosePrior> prior;  ///< local frame; nothing: a rival may be anywhere
@@ -26,7 +27,7 @@ struct RivalQuestion {
 
 struct RivalAnswer {
   enum class Kind {
-    kNone,      ///< no other place exceeds the likelihood: proven
+    kNoRival,   ///< no other place exceeds the likelihood: proven
     kRival,     ///< one does, or comes so near to it that boxes of a few millimetres cannot tell
     kUndecided  ///< the bounds that were allowed are used up
   };
@@ -36,7 +37,27 @@ struct RivalAnswer {
 
 /// Whether another place explains the points as well, by branch and bound over all poses: a box of
 /// poses in which even the best value that each point can take on its own adds up to too little
-/// holds no rival, the others are split. However narrow a peak is, it cannot be missed.
-RivalAnswer findRival(const RivalQuestion& question);
+/// holds no rival, the others are split. However narrow a peak is, it cannot be missed. Goes on
+/// whenever work() is called; the answer does not depend on how often that is.
+class RivalSearch {
+ public:
+  explicit RivalSearch(RivalQuestion question);
+  ~RivalSearch();
+  RivalSearch(RivalSearch&& other) noexcept;
+  RivalSearch& operator=(RivalSearch&& other) noexcept;
+
+  /// Does so many steps, of some nanoseconds each, and what it is at; fewer if it is done. Nothing
+  /// as long as the answer is not known.
+  std::optional<RivalAnswer> work(std::size_t steps);
+
+ private:
+  class Boxes;
+
+  std::optional<RivalAnswer> answer_;
+  std::unique_ptr<Boxes> boxes_;  ///< null once there is an answer
+};
+
+/// The same at once.
+RivalAnswer findRival(RivalQuestion question);
 
 }  // namespace hymm::core

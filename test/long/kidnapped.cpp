@@ -2,6 +2,7 @@
 // for the vehicle in the finished map. One line of CSV for each moment.
 // scripts/experiments/kidnapped makes figures of it.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -115,6 +116,7 @@ void kidnap(const Drive& drive, std::size_t first, const std::vector<core::Local
   std::string problem;
   std::size_t scans = 0;
   bool is_begun = false;
+  double longest_look_s = 0.0, longest_rival_piece_s = 0.0;
   auto input = drive.motion.begin();
   for (std::size_t i = first + 1; i < drive.scans.size(); ++i) {
     const Scan& scan = drive.scans[i];
@@ -126,7 +128,11 @@ void kidnap(const Drive& drive, std::size_t first, const std::vector<core::Local
     search.take(scan.set);
     if (!is_begun) search.beginAnywhere(maps, drive.calibration, begun_s, problem);
     is_begun = true;
-    while (search.work() != core::PlaceSearch::Progress::kNothingWaits) {
+    for (bool is_over = false; !is_over;) {
+      double& longest_s = search.isSearchingRivals() ? longest_rival_piece_s : longest_look_s;
+      const double piece_begun_s = cpu_s();
+      is_over = search.work() == core::PlaceSearch::Progress::kNothingWaits;
+      longest_s = std::max(longest_s, cpu_s() - piece_begun_s);
     }
     ++scans;
     const auto& found = search.outcome();
@@ -134,13 +140,13 @@ void kidnap(const Drive& drive, std::size_t first, const std::vector<core::Local
     const auto reference = referencePose(scan, drive.map);
     const core::Pose2 truth = reference.value_or(scan.online);
     const core::Pose2 error = core::inverse(truth) * found->T_map_base;
-    std::printf("%d,%g,1,%g,%zu,%g,%g,%d,%g,%zu\n", moment, begun_s, time_s - begun_s, scans,
+    std::printf("%d,%g,1,%g,%zu,%g,%g,%d,%g,%zu,%g,%g\n", moment, begun_s, time_s - begun_s, scans,
                 error.position().norm(), error.yaw_rad, reference ? 1 : 0, cpu_s() - cpu_begun_s,
-                search.mapsLeft());
+                search.mapsLeft(), longest_look_s, longest_rival_piece_s);
     return;
   }
-  std::printf("%d,%g,0,nan,%zu,nan,nan,0,%g,%zu\n", moment, begun_s, scans, cpu_s() - cpu_begun_s,
-              search.mapsLeft());
+  std::printf("%d,%g,0,nan,%zu,nan,nan,0,%g,%zu,%g,%g\n", moment, begun_s, scans,
+              cpu_s() - cpu_begun_s, search.mapsLeft(), longest_look_s, longest_rival_piece_s);
 }
 
 void run(const std::string& archive, const std::vector<std::string>& configs) {
@@ -154,7 +160,9 @@ void run(const std::string& archive, const std::vector<std::string>& configs) {
   std::fprintf(stderr, "%zu scans, %zu landmarks, %zu local maps\n", drive.scans.size(),
                drive.map.landmarks.size(), maps.size());
   core::PlaceSearch search(config, suite.vehicle);
-  std::puts("moment,time_s,found,after_s,scans,error_m,yaw_error_rad,by_landmarks,cpu_s,maps_left");
+  std::puts(
+      "moment,time_s,found,after_s,scans,error_m,yaw_error_rad,by_landmarks,cpu_s,maps_left,"
+      "longest_look_s,longest_rival_piece_s");
   for (int moment = 0; moment < kMoments; ++moment) {
     const auto part = static_cast<std::size_t>(2 * moment + 1);
     kidnap(drive, part * drive.scans.size() / (2 * kMoments), maps, search, moment);

@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -118,6 +121,139 @@ TEST(PlaceSearch, FindsTheVehicleAnywhereInALargeMap) {
   ASSERT_TRUE(is_found());
   EXPECT_LT((search.outcome()->T_map_base.position() - pose.position()).norm(), 0.2);
   EXPECT_LT(fewest, maps.size() / 2);  // where the vehicle cannot be is not looked in for long
+}
+
+/// A search in some maps of the wood, on a machine that does it in pieces of some size.
+class InPieces : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kAtOnce = std::numeric_limits<std::size_t>::max();
+
+  InPieces() : search_(config(), vehicle()) {}
+
+  static RelocaliserConfig config() {
+    RelocaliserConfig config;
+    config.global_particles = 10000;
+    return config;
+  }
+
+  void begin() {
+    std::string problem;
+    ASSERT_TRUE(search_.beginAnywhere(maps_, Calibration{}, time_s_, problem)) << problem;
+  }
+  void take() {
+    search_.take(TwistInput{time_s_, kSpeed_mps, 0.0, 0.0, std::nullopt});
+    time_s_ += kScanPeriod_s;
+    pose_ = pose_ * Pose2{kSpeed_mps * kScanPeriod_s, 0.0, 0.0};
+    search_.take(seenFrom(pose_, landmarks_, time_s_));
+  }
+  /// Until a scan is in whose outcome a rival is looked for.
+  void workIntoInquiry() {
+    for (int scan = 0; scan < kScans; ++scan) {
+      take();
+      while (search_.work(1) != PlaceSearch::Progress::kNothingWaits) {
+        if (search_.isSearchingRivals()) return;
+      }
+    }
+    FAIL() << "There was no such scan.";
+  }
+  /// The places and doubts of all scans that wait.
+  std::vector<std::string> tellAll(std::size_t rival_steps) {
+    std::vector<std::string> told;
+    for (auto progress = kPieceDone; progress != PlaceSearch::Progress::kNothingWaits;) {
+      progress = search_.work(rival_steps);
+      if (progress == kPieceDone) ++pieces_;
+      if (progress != PlaceSearch::Progress::kScanDone || !search_.outcome()) continue;
+      const RelocaliserOutcome& outcome = *search_.outcome();
+      std::ostringstream line;
+      line << std::hexfloat << search_.time_s() << ' ' << outcome.T_map_base.vector().transpose()
+           << ' ' << outcome.converged << ' ' << outcome.particles << ' ' << outcome.doubt;
+      told.push_back(line.str());
+    }
+    return told;
+  }
+
+  static constexpr auto kPieceDone = PlaceSearch::Progress::kPieceDone;
+  static constexpr int kScans = 40;
+  const JointLandmarks landmarks_ = wood();
+  const std::vector<LocalMap> maps_ = neighbourhoods(landmarks_, 50.0);
+  PlaceSearch search_;
+  Pose2 pose_{120.0, 4.0, 0.4};
+  double time_s_ = 0.0;
+  std::size_t pieces_ = 0;
+};
+
+TEST_F(InPieces, FindsTheSameWhateverTheirSize) {
+  const auto run = [](std::size_t rival_steps, bool is_late, std::size_t& pieces) {
+    InPieces_FindsTheSameWhateverTheirSize_Test test;
+    test.take();
+    test.begin();
+    std::vector<std::string> told;
+    for (int i = 0; i < kScans; ++i) {
+      test.take();
+      if (is_late && i + 1 < kScans) continue;
+      for (const std::string& line : test.tellAll(rival_steps)) told.push_back(line);
+    }
+    EXPECT_TRUE(test.search_.outcome() && test.search_.outcome()->converged);
+    pieces = test.pieces_;
+    return told;
+  };
+  std::size_t few = 0, many = 0, late = 0;
+  const std::vector<std::string> at_once = run(kAtOnce, false, few);
+  EXPECT_EQ(at_once, run(3000, false, many));
+  EXPECT_EQ(at_once, run(3000, true, late));
+  EXPECT_GT(many, few + 100);  // else there was nothing to do in pieces
+  EXPECT_EQ(late, many);
+}
+
+TEST_F(InPieces, TellsNothingOfAScanUntilItIsDone) {
+  take();
+  begin();
+  workIntoInquiry();
+  const double time_s = search_.time_s();
+  EXPECT_LT(time_s, time_s_);
+  const auto doubt = [&] { return search_.outcome() ? search_.outcome()->doubt : "nothing"; };
+  const std::string before = doubt();
+  while (search_.work(3000) == kPieceDone) {
+    EXPECT_EQ(search_.time_s(), time_s);
+    EXPECT_EQ(doubt(), before);
+  }
+  EXPECT_EQ(search_.time_s(), time_s_);
+}
+
+TEST_F(InPieces, EndsAndIsResetInTheMiddle) {
+  for (const bool is_reset : {false, true}) {
+    take();
+    begin();
+    workIntoInquiry();
+    if (is_reset) {
+      search_.reset();
+    } else {
+      search_.end();
+    }
+    EXPECT_FALSE(search_.isOn());
+    EXPECT_EQ(search_.engine(), nullptr);
+    EXPECT_FALSE(search_.outcome());
+    take();
+    EXPECT_EQ(search_.work(), PlaceSearch::Progress::kNothingWaits);
+  }
+}
+
+// What was begun before leaves nothing behind.
+TEST_F(InPieces, BeginsAnewInTheMiddleAsAnyTime) {
+  const auto run = [](bool in_the_middle) {
+    InPieces_BeginsAnewInTheMiddleAsAnyTime_Test test;
+    test.take();
+    test.begin();
+    if (in_the_middle) test.workIntoInquiry();
+    const int scans = static_cast<int>(std::lround(test.time_s_ / kScanPeriod_s));
+    for (int i = scans; i < kScans; ++i) test.take();
+    test.time_s_ = kScanPeriod_s;
+    test.begin();
+    return test.tellAll(3000);
+  };
+  const std::vector<std::string> told = run(true);
+  EXPECT_GT(told.size(), 10U);
+  EXPECT_EQ(told, run(false));
 }
 
 /// Two stands of trees that look alike, 100 m from each other, and each with a map of its own.

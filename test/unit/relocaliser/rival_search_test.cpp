@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -63,21 +64,24 @@ double likelihoodAt(const Pose2& pose, const Landmarks& landmarks,
   return logLikelihoodAt(pose, landmarks, points, kView_m2, {});
 }
 
+RivalQuestion question(const Landmarks& landmarks, const std::vector<ObservedPoint>& points,
+                       double log_likelihood, const std::optional<PosePrior>& prior = std::nullopt,
+                       std::size_t most_bounds = kUnlimited) {
+  return {landmarks, points, kView_m2, {}, prior, 3.0, {}, 1.5, 0.2, log_likelihood, most_bounds};
+}
+
 RivalAnswer::Kind ask(const Landmarks& landmarks, const std::vector<ObservedPoint>& points,
                       double log_likelihood, const std::optional<PosePrior>& prior = std::nullopt,
                       std::size_t most_bounds = kUnlimited) {
-  return findRival({landmarks,
-                    points,
-                    kView_m2,
-                    {},
-                    prior,
-                    3.0,
-                    {},
-                    1.5,
-                    0.2,
-                    log_likelihood,
-                    most_bounds})
-      .kind;
+  return findRival(question(landmarks, points, log_likelihood, prior, most_bounds)).kind;
+}
+
+/// What comes of pieces of so many steps, and how many it takes.
+std::pair<RivalAnswer, std::size_t> askInPieces(const RivalQuestion& question, std::size_t steps) {
+  RivalSearch search(question);
+  for (std::size_t pieces = 1;; ++pieces) {
+    if (const auto answer = search.work(steps)) return {*answer, pieces};
+  }
 }
 
 TEST(RivalSearch, NeverMissesACopyHoweverNarrowItsPeak) {
@@ -99,7 +103,7 @@ TEST(RivalSearch, FindsNoneWhereLandmarksAreUnique) {
     const Landmarks landmarks = strewn(generator, 20);
     const auto points = seen(landmarks, generator, 100, 0.1);
     EXPECT_EQ(ask(landmarks, points, likelihoodAt({}, landmarks, points) - kMargin),
-              RivalAnswer::Kind::kNone)
+              RivalAnswer::Kind::kNoRival)
         << "seed " << seed;
   }
 }
@@ -131,7 +135,7 @@ TEST(RivalSearch, IsNeverContradictedBySamplesAroundCopiesThatAreNotExact) {
       ++rivals;
     }
     if (greatest < of_believed - 2.0 * kMargin) {
-      EXPECT_EQ(ask(two, points, of_believed - kMargin), RivalAnswer::Kind::kNone);
+      EXPECT_EQ(ask(two, points, of_believed - kMargin), RivalAnswer::Kind::kNoRival);
       ++none;
     }
   }
@@ -152,8 +156,8 @@ TEST(RivalSearch, LooksWithinThePriorOnly) {
                            .asDiagonal();
     return ask(two, points, needed, prior);
   };
-  EXPECT_EQ(askWithin(20.0, 0.5), RivalAnswer::Kind::kNone);
-  EXPECT_EQ(askWithin(40.0, 0.2), RivalAnswer::Kind::kNone);
+  EXPECT_EQ(askWithin(20.0, 0.5), RivalAnswer::Kind::kNoRival);
+  EXPECT_EQ(askWithin(40.0, 0.2), RivalAnswer::Kind::kNoRival);
   EXPECT_EQ(askWithin(40.0, 0.5), RivalAnswer::Kind::kRival);
 }
 
@@ -165,12 +169,65 @@ TEST(RivalSearch, SaysSoWhenItsBoundsAreUsedUp) {
   EXPECT_EQ(ask(landmarks, points, needed, std::nullopt, 1000), RivalAnswer::Kind::kUndecided);
 }
 
+TEST(RivalSearch, AnswersTheSameInPiecesOfAnySize) {
+  RandomGenerator generator(3);
+  const Landmarks one = strewn(generator, 12), two = withCopy(one, generator, 0.0);
+  const auto points = seen(one, generator, 60, 0.1);
+  PosePrior prior;
+  prior.covariance = Eigen::Vector3d(100.0, 100.0, 0.04).asDiagonal();
+  const double of_one = likelihoodAt({}, one, points) - kMargin;
+  const double of_two = likelihoodAt({}, two, points) - kMargin;
+  const std::vector<std::pair<RivalQuestion, RivalAnswer::Kind>> questions{
+      {question(one, points, of_one), RivalAnswer::Kind::kNoRival},
+      {question(one, points, of_one, prior), RivalAnswer::Kind::kNoRival},
+      {question(two, points, of_two), RivalAnswer::Kind::kRival},
+      {question(one, points, of_one, std::nullopt, 20000), RivalAnswer::Kind::kUndecided},
+      {question(one, {}, 1.0), RivalAnswer::Kind::kNoRival}};
+  for (const auto& [question, kind] : questions) {
+    const RivalAnswer at_once = findRival(question);
+    EXPECT_EQ(at_once.kind, kind);
+    for (const std::size_t steps : {1U, 997U, 50000U}) {
+      const RivalAnswer answer = askInPieces(question, steps).first;
+      EXPECT_EQ(answer.kind, at_once.kind) << steps;
+      EXPECT_EQ(answer.bounds, at_once.bounds) << steps;
+    }
+  }
+}
+
+TEST(RivalSearch, DoesNoMoreInAPieceThanItIsAllowed) {
+  RandomGenerator generator(3);
+  const Landmarks landmarks = strewn(generator, 12);
+  const auto points = seen(landmarks, generator, 60, 0.1);
+  const RivalQuestion asked =
+      question(landmarks, points, likelihoodAt({}, landmarks, points) - kMargin);
+  const auto [answer, pieces] = askInPieces(asked, 10000);
+  // A bound is a step, and a box that is begun is finished.
+  EXPECT_GE(pieces, answer.bounds / (10000 + points.size()));
+  EXPECT_GT(pieces, 20U);
+  EXPECT_GT(askInPieces(asked, 1000).second, 5 * pieces);
+}
+
+TEST(RivalSearch, GoesOnWhereItIsMovedTo) {
+  RandomGenerator generator(3);
+  const Landmarks landmarks = strewn(generator, 12);
+  const auto points = seen(landmarks, generator, 60, 0.1);
+  const RivalQuestion asked =
+      question(landmarks, points, likelihoodAt({}, landmarks, points) - kMargin);
+  RivalSearch first(asked);
+  for (int i = 0; i < 20; ++i) ASSERT_FALSE(first.work(10000));
+  RivalSearch second(std::move(first));
+  const auto answer = second.work(kUnlimited);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->bounds, findRival(asked).bounds);
+  EXPECT_EQ(second.work(1)->bounds, answer->bounds);  // and keeps its answer
+}
+
 TEST(RivalSearch, CallsEveryPlaceARivalOfOneThatExplainsNothing) {
   RandomGenerator generator(1);
   const Landmarks landmarks = strewn(generator, 5);
   EXPECT_EQ(ask(landmarks, seen(landmarks, generator, 10, 0.0), -1.0), RivalAnswer::Kind::kRival);
-  EXPECT_EQ(ask({}, seen(landmarks, generator, 10, 0.0), 1.0), RivalAnswer::Kind::kNone);
-  EXPECT_EQ(ask(landmarks, {}, 1.0), RivalAnswer::Kind::kNone);
+  EXPECT_EQ(ask({}, seen(landmarks, generator, 10, 0.0), 1.0), RivalAnswer::Kind::kNoRival);
+  EXPECT_EQ(ask(landmarks, {}, 1.0), RivalAnswer::Kind::kNoRival);
 }
 
 /// A drive among `landmarks`, of which the first `count` are where it is: whether it converged.
