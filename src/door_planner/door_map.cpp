@@ -28,6 +28,11 @@ constexpr double kIndexMargin_m = 1.0;
 /// By which landmarks and borders may move relative to an LTR before its blocked cells are found
 /// anew; so much more is kept away from them.
 constexpr double kBarrierSlack_m = 0.05;
+/// Whose matrices take about a hundredth of a second.
+constexpr int kCellsBetweenQuestions = 5000;
+/// Looking at the surroundings of an LTR or a side takes as long as so many cells of a matrix, and
+/// so many cells are found blocked or not while one gets its costs, about.
+constexpr int kCellsOfALook = 10, kBlockedPerCell = 16;
 
 bool isUsable(const LtrView& view) {
   if (view.id < 0 || view.id >= kMostLtrs) return false;
@@ -61,6 +66,23 @@ Eigen::Vector2d lowOf(const Corners& c) { return c[0].cwiseMin(c[1]).cwiseMin(c[
 Eigen::Vector2d highOf(const Corners& c) { return c[0].cwiseMax(c[1]).cwiseMax(c[2]); }
 
 }  // namespace
+
+/// Whether to go on with prepare(): asked of its caller when enough was done since the last time.
+class DoorMap::Questions {
+ public:
+  explicit Questions(const std::function<bool()>& interrupted) : interrupted_(interrupted) {}
+
+  void noteDone(int cells) { done_ += cells; }
+  bool endsNow() {
+    if (!interrupted_ || done_ < kCellsBetweenQuestions) return false;
+    done_ = 0;
+    return interrupted_();
+  }
+
+ private:
+  const std::function<bool()>& interrupted_;
+  std::int64_t done_ = 0;
+};
 
 DoorMap::DoorMap(const DoorPlannerConfig& config)
     : config_(config), index_(kIndexCell_m), discs_(config.landmark_diameter_m) {
@@ -183,24 +205,16 @@ std::vector<Barrier> DoorMap::barriersNear(const Region& region) const {
 }
 
 /// What spans an LTR moves with it: only what has moved relative to it, or is another, counts.
-void DoorMap::findMovedBarriers() {
-  for (const int id : to_look_) {
-    const auto found = regions_.find(id);
-    if (found == regions_.end() || !found->second.costs || to_block_.count(id) > 0) continue;
-    const Region& region = found->second;
-    const std::vector<Barrier> now = barriersNear(region);
-    const Eigen::Matrix2d edges = region.triangle.edges();
-    const bool keeps =
-        std::equal(now.begin(), now.end(), region.barriers.begin(), region.barriers.end(),
-                   [&](const Barrier& a, const Barrier& b) {
-                     const double moved_m = std::max((edges * (a.from - b.from)).norm(),
-                                                     (edges * (a.to - b.to)).norm());
-                     return a.landmarks == b.landmarks &&
-                            moved_m + std::abs(a.radius_m - b.radius_m) <= kBarrierSlack_m;
-                   });
-    if (!keeps) to_block_.insert(id);
-  }
-  to_look_.clear();
+bool DoorMap::hasSameBarriers(const Region& region) const {
+  const std::vector<Barrier> now = barriersNear(region);
+  const Eigen::Matrix2d edges = region.triangle.edges();
+  return std::equal(now.begin(), now.end(), region.barriers.begin(), region.barriers.end(),
+                    [&](const Barrier& a, const Barrier& b) {
+                      const double moved_m = std::max((edges * (a.from - b.from)).norm(),
+                                                      (edges * (a.to - b.to)).norm());
+                      return a.landmarks == b.landmarks &&
+                             moved_m + std::abs(a.radius_m - b.radius_m) <= kBarrierSlack_m;
+                    });
 }
 
 // The metric, and with it costs, follow the shape alone; K only scales them, but widens doors.
@@ -302,33 +316,29 @@ std::vector<bool> DoorMap::blockedCells(const Region& region) const {
   return blocked.cells();
 }
 
-void DoorMap::findBlocked() {
-  for (const int id : to_block_) {
-    Region& region = regions_.at(id);
-    if (!region.costs) continue;
-    ++counts_.blocked;
-    region.barriers = barriersNear(region);
-    const std::vector<bool> blocked = blockedCells(region);
-    if (blocked != region.costs->blocked()) {
-      auto costs = std::make_shared<CellCosts>(*region.costs);
-      costs->setBlocked(blocked);
-      region.costs = std::move(costs);
-    }
-    if (region.in_force && *region.in_force == *region.costs) {
-      region.costs = region.in_force;
-      continue;
-    }
-    region.in_force = region.costs;
-    changed_.insert(id);
-    region.computed = region.triangle;
-    region.computed_factor = region.view.factor();
-    to_compute_.insert(id);
-    for (int k = 0; k < 3; ++k) {
-      const SideKey key = sideKeyOf(region.view, k);
-      if (sides_.count(key) > 0) to_open_.insert(key);
-    }
+void DoorMap::block(Region& region) {
+  const int id = region.view.id;
+  ++counts_.blocked;
+  region.barriers = barriersNear(region);
+  const std::vector<bool> blocked = blockedCells(region);
+  if (blocked != region.costs->blocked()) {
+    auto costs = std::make_shared<CellCosts>(*region.costs);
+    costs->setBlocked(blocked);
+    region.costs = std::move(costs);
   }
-  to_block_.clear();
+  if (region.in_force && *region.in_force == *region.costs) {
+    region.costs = region.in_force;
+    return;
+  }
+  region.in_force = region.costs;
+  changed_.insert(id);
+  region.computed = region.triangle;
+  region.computed_factor = region.view.factor();
+  to_compute_.insert(id);
+  for (int k = 0; k < 3; ++k) {
+    const SideKey key = sideKeyOf(region.view, k);
+    if (sides_.count(key) > 0) to_open_.insert(key);
+  }
 }
 
 /// Stretches of a side that lie in landmarks.
@@ -360,19 +370,16 @@ SideDoors DoorMap::doorsOf(const SideKey& key, const Side& side) const {
                          stretchesOf(one, key), config_.vehicle.width_m, config_.portal_spacing_m);
 }
 
-void DoorMap::findDoors() {
-  for (const SideKey& key : to_open_) {
-    Side& side = sides_.at(key);
-    SideDoors found = doorsOf(key, side);
-    keepIds(side.doors ? *side.doors : SideDoors(), found, next_door_id_);
-    if (side.doors && *side.doors == found) continue;
-    is_reshaped_ = true;
-    const bool same = side.doors && side.doors->samePlaces(found);
-    side.doors = std::make_shared<SideDoors>(std::move(found));
-    if (same) continue;
-    for (const int id : side.ltrs) to_compute_.insert(id);
-  }
-  to_open_.clear();
+void DoorMap::open(const SideKey& key) {
+  Side& side = sides_.at(key);
+  SideDoors found = doorsOf(key, side);
+  keepIds(side.doors ? *side.doors : SideDoors(), found, next_door_id_);
+  if (side.doors && *side.doors == found) return;
+  is_reshaped_ = true;
+  const bool same = side.doors && side.doors->samePlaces(found);
+  side.doors = std::make_shared<SideDoors>(std::move(found));
+  if (same) return;
+  for (const int id : side.ltrs) to_compute_.insert(id);
 }
 
 void DoorMap::computeMatrix(Region& region) {
@@ -389,30 +396,70 @@ void DoorMap::computeMatrix(Region& region) {
   ++counts_.matrices;
 }
 
-std::size_t DoorMap::prepare(const Eigen::Vector2d& place, std::size_t max_matrices) {
-  findMovedBarriers();
-  findBlocked();
-  findDoors();
+bool DoorMap::findMovedBarriers(Questions& questions) {
+  for (; !to_look_.empty(); to_look_.erase(to_look_.begin())) {
+    if (questions.endsNow()) return false;
+    const int id = *to_look_.begin();
+    const auto found = regions_.find(id);
+    if (found == regions_.end() || !found->second.costs || to_block_.count(id) > 0) continue;
+    if (!hasSameBarriers(found->second)) to_block_.insert(id);
+    questions.noteDone(kCellsOfALook);
+  }
+  return true;
+}
+
+bool DoorMap::findBlocked(Questions& questions) {
+  for (; !to_block_.empty(); to_block_.erase(to_block_.begin())) {
+    if (questions.endsNow()) return false;
+    Region& region = regions_.at(*to_block_.begin());
+    if (!region.costs) continue;
+    block(region);
+    questions.noteDone(kCellsOfALook + region.costs->grid().cellCount() / kBlockedPerCell);
+  }
+  return true;
+}
+
+bool DoorMap::findDoors(Questions& questions) {
+  for (; !to_open_.empty(); to_open_.erase(to_open_.begin())) {
+    if (questions.endsNow()) return false;
+    open(*to_open_.begin());
+    questions.noteDone(kCellsOfALook);
+  }
+  return true;
+}
+
+bool DoorMap::computeMatrices(const Eigen::Vector2d& place, std::size_t max_matrices,
+                              Questions& questions) {
   std::vector<std::pair<double, int>> order;
-  for (const int id : to_compute_) {
-    Region& region = regions_.at(id);
+  for (auto id = to_compute_.begin(); id != to_compute_.end();) {
+    Region& region = regions_.at(*id);
     region.matrix.reset();
-    changed_.insert(id);
-    if (!region.in_force) continue;
+    changed_.insert(*id);
+    if (!region.in_force) {
+      id = to_compute_.erase(id);
+      continue;
+    }
     const Eigen::Vector2d centre = region.triangle.toGlobal(Triangle::Local(1.0 / 3, 1.0 / 3));
-    order.emplace_back((centre - place).squaredNorm(), id);
+    order.emplace_back((centre - place).squaredNorm(), *id++);
   }
   const std::size_t count = std::min(max_matrices, order.size());
   std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(count), order.end());
-  to_compute_.clear();
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i < count) {
-      computeMatrix(regions_.at(order[i].second));
-    } else {
-      to_compute_.insert(order[i].second);
-    }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (questions.endsNow()) return false;
+    Region& region = regions_.at(order[i].second);
+    computeMatrix(region);
+    to_compute_.erase(order[i].second);
+    questions.noteDone(region.in_force->grid().cellCount());
   }
-  return to_compute_.size();
+  return true;
+}
+
+std::size_t DoorMap::prepare(const Eigen::Vector2d& place, std::size_t max_matrices,
+                             const std::function<bool()>& interrupted) {
+  Questions questions(interrupted);
+  const bool is_known = findMovedBarriers(questions) && findBlocked(questions) &&
+                        findDoors(questions) && computeMatrices(place, max_matrices, questions);
+  return to_compute_.size() + (is_known ? 0 : to_look_.size() + to_block_.size() + to_open_.size());
 }
 
 }  // namespace hymm::core

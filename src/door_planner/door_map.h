@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -44,8 +45,11 @@ class DoorMap {
   bool setContent(int ltr, const LtrContent& content);
 
   /// Computes what is out of date, LTRs nearest to `place` first, at most `max_matrices` cost
-  /// matrices. Returns how many are left.
-  std::size_t prepare(const Eigen::Vector2d& place, std::size_t max_matrices);
+  /// matrices. Returns how many are left, or how many LTRs and sides have to be looked at before
+  /// that is known. `interrupted` is asked every hundredth of a second or so, or after an LTR that
+  /// takes longer; true ends it, and the next call goes on from there.
+  std::size_t prepare(const Eigen::Vector2d& place, std::size_t max_matrices,
+                      const std::function<bool()>& interrupted = nullptr);
 
   /// What queries use; LTRs whose matrix is out of date cannot be crossed in it.
   std::shared_ptr<const DoorGraph> makeGraph();
@@ -76,10 +80,17 @@ class DoorMap {
   bool isBorder(const Region& region, int side) const;
   bool hasBorder(const Region& region) const;
   std::vector<Barrier> barriersNear(const Region& region) const;
-  void findMovedBarriers();
+  class Questions;
+
+  bool hasSameBarriers(const Region& region) const;
   void blockAround(int ltr);
-  void findBlocked();
-  void findDoors();
+  void block(Region& region);
+  void open(const SideKey& key);
+  bool findMovedBarriers(Questions& questions);
+  bool findBlocked(Questions& questions);
+  bool findDoors(Questions& questions);
+  bool computeMatrices(const Eigen::Vector2d& place, std::size_t max_matrices,
+                       Questions& questions);
   std::vector<std::pair<double, double>> stretchesOf(const Region& region,
                                                      const SideKey& key) const;
   SideDoors doorsOf(const SideKey& key, const Side& side) const;

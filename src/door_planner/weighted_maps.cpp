@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -11,9 +12,9 @@
 namespace hymm::core {
 namespace {
 
-constexpr std::size_t kKept = 2;             ///< sets of weights, each with matrices of its own
-constexpr std::size_t kMatricesAtOnce = 20;  ///< between questions whether to go on
-constexpr std::size_t kContentsAtOnce = 200;
+constexpr std::size_t kKept = 2;  ///< sets of weights, each with matrices of its own
+constexpr std::size_t kAllMatrices = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kContentsAtOnce = 200;  ///< between questions whether to go on
 constexpr std::chrono::milliseconds kPatience{20};
 
 Plan unprepared(PlanStatus status) {
@@ -145,12 +146,13 @@ PlanStatus WeightedMaps::prepare(Variant& variant, const Eigen::Vector2d& place,
                                  const Interrupted& interrupted) {
   const PlanStatus told = tell(variant, interrupted);
   if (told != PlanStatus::kOk || variant.graph) return told;
-  while (variant.map.prepare(place, kMatricesAtOnce) > 0) {
-    const PlanStatus status = interrupted ? interrupted() : PlanStatus::kOk;
-    if (status != PlanStatus::kOk) return status;
-  }
-  variant.graph = variant.map.makeGraph();
-  return PlanStatus::kOk;
+  PlanStatus status = PlanStatus::kOk;
+  variant.map.prepare(place, kAllMatrices, [&] {
+    if (interrupted) status = interrupted();
+    return status != PlanStatus::kOk;
+  });
+  if (status == PlanStatus::kOk) variant.graph = variant.map.makeGraph();
+  return status;
 }
 
 std::string WeightedMaps::remarkOn(const std::string& weights) const {

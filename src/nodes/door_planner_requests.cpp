@@ -11,6 +11,8 @@
 namespace hymm {
 namespace {
 
+constexpr double kFeedbackEvery_s = 0.1;  ///< at most; searches ask far more often
+
 /// Service responses and action results have the same fields.
 template <class Message>
 void fill(const core::Plan& plan, const std_msgs::Header& header, Message& message) {
@@ -160,10 +162,14 @@ DoorPlannerNode::PlanServer::End DoorPlannerNode::executeAction(const PlanPathGo
   wish.weights = goal.weights;
   wish.is_refined = !goal.unrefined;
   const std::size_t maps_begun = mapsBegun();
+  double next_feedback_s = 0.0;
   const core::Plan answer = plan(wish, [&] {
     PlanPathFeedback feedback;
     feedback.seconds = steadyNow() - begin_s;
-    action_->publishFeedback(feedback);
+    if (feedback.seconds >= next_feedback_s) {
+      action_->publishFeedback(feedback);
+      next_feedback_s = feedback.seconds + kFeedbackEvery_s;
+    }
     return action_->isAskedToEnd();
   });
   using Status = GoalLedger::Status;

@@ -104,6 +104,50 @@ TEST(DoorPlanner, KeepsDistrictsInWhichNothingChanged) {
   EXPECT_EQ(world.planner.prepareDistricts(0), before->count()) << "all factors have changed";
 }
 
+/// A map of 288 LTRs that nothing was computed of yet.
+DoorMap unpreparedMap() {
+  const test::SquareMesh mesh(12, 12, 12.0, 0.3, 2.0, 3);
+  const Occupancy obstacles = test::discs(5, 60, 144.0, {});
+  DoorMap map{DoorPlannerConfig{}};
+  map.setLtrs(mesh.ltrs);
+  for (const LtrView& ltr : mesh.ltrs) map.setContent(ltr.id, test::contentOf(ltr, obstacles));
+  return map;
+}
+
+TEST(DoorMap, EndsBetweenFewLtrsWhenItIsInterruptedAndGoesOnFromThere) {
+  DoorMap whole = unpreparedMap(), parts = unpreparedMap();
+  EXPECT_EQ(whole.prepare(Vector2d::Zero(), 1000), 0U);
+  const std::size_t all = whole.counts().blocked;
+  EXPECT_GE(all, 288U);
+  for (std::size_t left = 1; left > 0;) {
+    const DoorMap::Counts before = parts.counts();
+    left = parts.prepare(Vector2d::Zero(), 1000, [] { return true; });
+    const std::size_t blocked = parts.counts().blocked - before.blocked;
+    const std::size_t matrices = parts.counts().matrices - before.matrices;
+    ASSERT_GT(left == 0 ? 1 : blocked + matrices, 0U) << "each call gets on";
+    EXPECT_LT(blocked, all / 2);
+    EXPECT_LT(matrices, 20U);
+  }
+  EXPECT_EQ(parts.counts().blocked, all) << "nothing is done twice";
+  EXPECT_EQ(parts.counts().matrices, whole.counts().matrices);
+  expectSameGraph(*parts.makeGraph(), *whole.makeGraph());
+}
+
+TEST(DoorMap, TakesChangesWhileItIsInterrupted) {
+  DoorMap whole = unpreparedMap(), parts = unpreparedMap();
+  const auto goOn = [&] { return parts.prepare(Vector2d::Zero(), 1000, [] { return true; }); };
+  const test::SquareMesh mesh(12, 12, 12.0, 0.3, 2.0, 3);
+  for (std::size_t changed = 0; changed < mesh.ltrs.size(); changed += 40) {
+    const LtrContent content = test::contentOf(mesh.ltrs[changed], freeGround);
+    goOn();
+    parts.setContent(mesh.ltrs[changed].id, content);
+    whole.setContent(mesh.ltrs[changed].id, content);
+  }
+  while (goOn() > 0) continue;
+  whole.prepare(Vector2d::Zero(), 1000);
+  expectSameGraph(*parts.makeGraph(), *whole.makeGraph());
+}
+
 TEST(DoorPlanner, LeavesOutLtrsOfMoreCellsThanMemoryHas) {
   World world(freeGround);
   std::vector<LtrView> ltrs = world.mesh.ltrs;
