@@ -7,22 +7,12 @@
 
 #include "common/error.h"
 #include "door_planner/blocked_cells.h"
-#include "hybrid_map/input_check.h"
 #include "hybrid_map/ltr_geometry.h"
 
 namespace hymm::core {
 namespace {
 
 constexpr double kIndexCell_m = 10.0;
-/// Of one LTR. What has more cells, or is wider, comes of a message that makes no sense, and its
-/// portals would fill the memory.
-constexpr std::int64_t kMostCells = 1 << 22;
-constexpr double kWidest_m = 1e4;
-/// Ratio of the longest to the shortest direction in a cell, about: so many steps, and as long
-/// ones, the search in it needs. New LTRs have angles of 0.01 at least, which make 200 of it.
-constexpr double kMostSheared = 256.0;
-/// The index keeps LTRs in a row by their numbers.
-constexpr int kMostLtrs = 1 << 22;
 /// Cells of other LTRs may be that much larger than an LTR's own.
 constexpr double kIndexMargin_m = 1.0;
 /// By which landmarks and borders may move relative to an LTR before its blocked cells are found
@@ -33,21 +23,6 @@ constexpr int kCellsBetweenQuestions = 5000;
 /// Looking at the surroundings of an LTR or a side takes as long as so many cells of a matrix, and
 /// so many cells are found blocked or not while one gets its costs, about.
 constexpr int kCellsOfALook = 10, kBlockedPerCell = 16;
-
-bool isUsable(const LtrView& view) {
-  if (view.id < 0 || view.id >= kMostLtrs) return false;
-  for (const Eigen::Vector2d& corner : view.corners) {
-    if (!isPlace(corner)) return false;
-    if (!((corner - view.corners[0]).norm() <= 0.5 * kWidest_m)) return false;
-  }
-  const std::int64_t cells = std::int64_t{view.alpha_cells} * view.beta_cells;
-  if (!(turn(view.corners[0], view.corners[1], view.corners[2]) > 1e-9)) return false;
-  if (view.alpha_cells <= 0 || view.beta_cells <= 0 || cells > kMostCells) return false;
-  const Eigen::Matrix2d cell =
-      Triangle(view.corners).edges() *
-      Eigen::Vector2d(1.0 / view.alpha_cells, 1.0 / view.beta_cells).asDiagonal();
-  return cell.squaredNorm() <= kMostSheared * cell.determinant();
-}
 
 /// Of a stretch that does not cross the LTR from side to side.
 double distanceOf(const Barrier& barrier, const Corners& corners, const Triangle& triangle) {
@@ -92,14 +67,14 @@ DoorMap::DoorMap(const DoorPlannerConfig& config)
   weights_ = config_.cost.weights(ignored);
 }
 
-std::vector<int> DoorMap::setLtrs(const std::vector<LtrView>& ltrs) {
+UnusableLtrs DoorMap::setLtrs(const std::vector<LtrView>& ltrs) {
   is_reshaped_ = true;
-  std::vector<int> unusable;
+  UnusableLtrs unusable;
   std::set<int> present;
   std::vector<int> moved, connected_anew;
   for (const LtrView& view : ltrs) {
-    if (!isUsable(view)) {
-      unusable.push_back(view.id);
+    if (const std::optional<LtrProblem> problem = problemOf(view)) {
+      unusable.emplace(view.id, *problem);
       continue;
     }
     present.insert(view.id);

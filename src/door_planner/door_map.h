@@ -13,6 +13,7 @@
 #include "door_planner/door_graph.h"
 #include "door_planner/door_planner_config.h"
 #include "door_planner/landmark_discs.h"
+#include "door_planner/ltr_problem.h"
 #include "hybrid_map/ltr_index.h"
 
 namespace hymm::core {
@@ -32,9 +33,9 @@ class DoorMap {
   /// Throws ConfigError if the configuration is unusable.
   explicit DoorMap(const DoorPlannerConfig& config);
 
-  /// All LTRs there are, with their present corners. Those without three corners apart, or
-  /// wider, narrower or of more cells than an LTR can be, are left out, and returned.
-  std::vector<int> setLtrs(const std::vector<LtrView>& ltrs);
+  /// All LTRs there are, with their present corners. Those that cannot be used are left out, and
+  /// returned.
+  UnusableLtrs setLtrs(const std::vector<LtrView>& ltrs);
 
   /// All landmarks there are, whether they span LTRs or not. Costs are computed anew only where one
   /// has moved relative to an LTR near it, or is another.

@@ -32,7 +32,7 @@ DoorPlanner::DoorPlanner(const DoorPlannerConfig& config)
 
 DoorPlanner::~DoorPlanner() = default;
 
-std::vector<int> DoorPlanner::setLtrs(const std::vector<LtrView>& ltrs) {
+UnusableLtrs DoorPlanner::setLtrs(const std::vector<LtrView>& ltrs) {
   weighted_maps_.setLtrs(ltrs);
   return map_.setLtrs(ltrs);
 }

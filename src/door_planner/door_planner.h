@@ -35,7 +35,7 @@ class DoorPlanner {
   ~DoorPlanner();
 
   /// See DoorMap.
-  std::vector<int> setLtrs(const std::vector<LtrView>& ltrs);
+  UnusableLtrs setLtrs(const std::vector<LtrView>& ltrs);
   void setLandmarks(const std::vector<SolidLandmark>& landmarks);
   bool setContent(int ltr, const LtrContent& content) {
     return setContent(ltr, std::make_shared<const LtrContent>(content));

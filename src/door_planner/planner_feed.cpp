@@ -127,7 +127,9 @@ bool PlannerFeed::tell(DoorPlanner& planner) {
       present.insert(id);
       if (told_.count(id) == 0) changed_.insert(id);
     }
-    for (const int unusable : planner.setLtrs(views)) present.erase(unusable);
+    waiting_ = topology_.size() - views.size();
+    unusable_ = planner.setLtrs(views);
+    for (const auto& [id, problem] : unusable_) present.erase(id);
     planner.setLandmarks(solids_);
     told_ = std::move(present);
     geometry_changed_ = false;

@@ -43,6 +43,11 @@ class PlannerFeed {
   std::optional<Eigen::Vector2d> findLandmark(int id) const;
   std::size_t refusedContents() const { return refused_; }
 
+  /// Of the LTRs that were told last: those that the planner left out, and how many were not told
+  /// because one of their landmarks had not come.
+  const UnusableLtrs& unusable() const { return unusable_; }
+  std::size_t waiting() const { return waiting_; }
+
  private:
   std::map<int, LtrTopology> topology_;
   std::unordered_map<int, Eigen::Vector2d> landmarks_;
@@ -52,6 +57,8 @@ class PlannerFeed {
   std::set<int> changed_;  ///< contents
   bool geometry_changed_ = false;
   std::size_t refused_ = 0;
+  UnusableLtrs unusable_;
+  std::size_t waiting_ = 0;
 };
 
 }  // namespace hymm::core

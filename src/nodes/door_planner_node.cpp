@@ -212,6 +212,7 @@ void DoorPlannerNode::workOn() {
       if (stopping_) return;
       has_news_ = false;
       feed_.tell(planner_);
+      tellUnusable();
       if (vehicle_) place = vehicle_->position();
     }
     const double begin_s = steadyNow();
@@ -228,6 +229,16 @@ void DoorPlannerNode::workOn() {
     replanIfBlocked();
     publishDoors();
     prepareDistricts();
+  }
+}
+
+/// The first LTR with each problem; all are counted.
+void DoorPlannerNode::tellUnusable() {
+  for (const auto& [id, problem] : feed_.unusable()) {
+    if (!told_problems_.insert(problem).second) continue;
+    ROS_WARN_STREAM("No path goes through LTR "
+                    << id << ", which " << core::wordsFor(problem)
+                    << ". More of them are counted in /diagnostics, not told.");
   }
 }
 
@@ -270,6 +281,14 @@ void DoorPlannerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& stat
     status.summary(DiagnosticStatus::WARN, "No local triangular region can be used yet");
   }
   status.add("LTRs", graph->ltrs().size());
+  status.add("LTRs whose landmarks have not come", feed_.waiting());
+  for (const auto& [words, count] : core::countsOf(feed_.unusable())) {
+    status.add("LTRs left out: each " + words, count);
+  }
+  if (const std::size_t unusable = feed_.unusable().size(); unusable > 0) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        std::to_string(unusable) + " LTRs are left out of plans");
+  }
   status.add("portals", graph->portalCount());
   status.add("cost matrices computed", counts_.matrices);
   status.add("layers taken", counts_.contents);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -93,6 +94,7 @@ class DoorPlannerNode {
   void workOn();
   void prepareDistricts();
   void replanIfBlocked();
+  void tellUnusable();
   void publishDoors();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   std_msgs::Header header() const;
@@ -114,6 +116,7 @@ class DoorPlannerNode {
   std::map<double, std::shared_ptr<const InformedPlaces>> level_sets_;  ///< by value
   std::optional<LivePlan> live_;
   std::map<std::string, std::size_t> answers_;  ///< by status
+  std::set<core::LtrProblem> told_problems_;
   std::size_t blocked_plans_ = 0;
   bool has_news_ = false, stopping_ = false;
   double preparation_ms_ = 0.0, answer_ms_ = 0.0, worst_answer_ms_ = 0.0;

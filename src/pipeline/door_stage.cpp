@@ -103,6 +103,7 @@ const DoorStage::Outcome& DoorStage::outcome() const {
   DoorPlanner planner(config_);
   feedFrom(*mapper_, landmarks_.map(), feed);
   feed.tell(planner);
+  outcome_->unusable = feed.unusable();
   planner.prepare(T_map_base_->position());
   planner.prepareDistricts();
   outcome_->doors = doorsText(*planner.graph());
@@ -125,10 +126,16 @@ const DoorStage::Outcome& DoorStage::outcome() const {
 void DoorStage::addTo(RunTotals& totals) const { totals.subsystem_cpu_s[kName] = cpu_s_; }
 
 std::map<std::string, std::size_t> DoorStage::incidents() const {
-  if (!config_.goalPlace() || outcome().plan.ok()) return {};
+  std::map<std::string, std::size_t> incidents;
+  for (const auto& [words, count] : countsOf(outcome().unusable)) {
+    incidents["LTRs left out of plans: each " + words] = count;
+  }
   const Plan& plan = outcome().plan;
-  return {
-      {"goals that were not planned to (" + nameOf(plan.status) + ": " + plan.sentence + ")", 1}};
+  if (config_.goalPlace() && !plan.ok()) {
+    const std::string why = nameOf(plan.status) + ": " + plan.sentence;
+    incidents["goals that were not planned to (" + why + ")"] = 1;
+  }
+  return incidents;
 }
 
 void DoorStage::write(const std::filesystem::path& folder) {

@@ -44,6 +44,7 @@ class DoorStage : public SuiteStage {
   struct Outcome {
     Plan plan;
     std::string doors, queries;  ///< contents of files
+    UnusableLtrs unusable;
   };
   bool hasWork() const;
   const Outcome& outcome() const;

@@ -16,6 +16,7 @@ from hymm.msg import (Landmark, LandmarkMap, Ltr, LtrGrid, LtrMap, PlanPathActio
 from hymm.srv import PlanPath
 from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan
+from rosgraph_msgs.msg import Log
 from visualization_msgs.msg import MarkerArray
 
 WAIT_S = 60.0  # only a node that is broken needs it
@@ -280,6 +281,21 @@ class DoorPlannerTest(unittest.TestCase):
             self.grids.publish(grid(ltr, log_odds=3.0))
         self.assertTrue(wait_for(lambda: not self.plans[-1].poses), "the whole width is closed")
         self.assertEqual(self.ask(start=Point(3.0, 5.5, 0.0), y=7.5).status, "NO_PATH")
+
+    def test_9_z_ltrs_that_cannot_be_used_are_counted_and_told_once(self):
+        told = []
+        rospy.Subscriber("/rosout", Log, lambda log: told.append(log.msg) if "No path goes" in log.msg else None)
+        message = ltr_map()
+        for count in (1, 2):
+            message.ltrs[count].alpha_cells = message.ltrs[count].beta_cells = 1 << 20
+            self.ltrs.publish(message)
+            self.assertTrue(wait_for(lambda: any(f"{count} LTRs are left out of plans" in text
+                                                 for text, _ in list(self.status.values()))))
+        values = next(values for name, (_, values) in self.status.items() if name.endswith("door planner"))
+        self.assertEqual([count for name, count in values.items() if "more cells than plans" in name], ["2"])
+        self.assertTrue(wait_for(lambda: told))
+        self.assertIn("LTR 1, which has more cells than plans", told[0])
+        self.assertEqual(len(told), 1)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,10 @@
 #include "door_planner/door_map.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -152,16 +155,16 @@ TEST(DoorPlanner, LeavesOutLtrsOfMoreCellsThanMemoryHas) {
   World world(freeGround);
   std::vector<LtrView> ltrs = world.mesh.ltrs;
   ltrs[0].alpha_cells = ltrs[0].beta_cells = std::numeric_limits<int>::max();
-  EXPECT_EQ(world.planner.setLtrs(ltrs), std::vector<int>{ltrs[0].id});
+  EXPECT_EQ(world.planner.setLtrs(ltrs), (UnusableLtrs{{ltrs[0].id, LtrProblem::kTooManyCells}}));
   EXPECT_TRUE(world.planner.setLtrs(world.mesh.ltrs).empty());
 }
 
 TEST(DoorPlanner, LeavesOutLtrsWiderThanTheyCanBe) {
   World world(freeGround);
   std::vector<LtrView> ltrs = world.mesh.ltrs;
-  ltrs[0].corners[0] = Vector2d(-1e12, -1e12);
+  ltrs[0].corners[0] = Vector2d(-1e6, -1e6);
   const int unusable = ltrs[0].id;
-  EXPECT_EQ(world.planner.setLtrs(ltrs), std::vector<int>{unusable});
+  EXPECT_EQ(world.planner.setLtrs(ltrs), (UnusableLtrs{{unusable, LtrProblem::kTooWide}}));
   world.planner.prepare(Vector2d::Zero());
   EXPECT_NE(world.plan({4.0, 9.0}, {14.0, 9.0}).status, PlanStatus::kCancelled);
 }
@@ -176,7 +179,8 @@ TEST(DoorPlanner, LeavesOutLtrsThatAreNextToALine) {
   ltr.beta_cells = 50;
   for (const double height_m : {1e-4, 1e-3, 1e-2}) {
     ltr.corners[2].y() = height_m;
-    EXPECT_EQ(world.planner.setLtrs(ltrs), std::vector<int>{ltr.id}) << height_m;
+    EXPECT_EQ(world.planner.setLtrs(ltrs), (UnusableLtrs{{ltr.id, LtrProblem::kNarrowCells}}))
+        << height_m;
   }
   // 0.02 rad, the least that new LTRs can be made to have being 0.01.
   ltr.corners[2].y() = 0.2;
@@ -185,7 +189,7 @@ TEST(DoorPlanner, LeavesOutLtrsThatAreNextToALine) {
   ltr = world.mesh.ltrs[0];
   ltr.alpha_cells = 1 << 20;
   ltr.beta_cells = 1;
-  EXPECT_EQ(world.planner.setLtrs(ltrs), std::vector<int>{ltr.id});
+  EXPECT_EQ(world.planner.setLtrs(ltrs), (UnusableLtrs{{ltr.id, LtrProblem::kNarrowCells}}));
 }
 
 TEST(DoorPlanner, LeavesOutLtrsOfSenselessNumbers) {
@@ -193,9 +197,23 @@ TEST(DoorPlanner, LeavesOutLtrsOfSenselessNumbers) {
   for (const int number : {std::numeric_limits<int>::max(), -1, -7}) {
     std::vector<LtrView> ltrs = world.mesh.ltrs;
     ltrs[0].id = number;
-    EXPECT_EQ(world.planner.setLtrs(ltrs), std::vector<int>{number});
+    EXPECT_EQ(world.planner.setLtrs(ltrs), (UnusableLtrs{{number, LtrProblem::kId}}));
   }
   EXPECT_TRUE(world.planner.setLtrs(world.mesh.ltrs).empty());
+  const auto problemWith = [&](const std::function<void(LtrView&)>& change) {
+    LtrView ltr = world.mesh.ltrs[0];
+    change(ltr);
+    return problemOf(ltr);
+  };
+  EXPECT_EQ(problemWith([](LtrView&) {}), std::nullopt);
+  EXPECT_EQ(problemWith([](LtrView& ltr) { ltr.corners[0] = Vector2d(-1e12, -1e12); }),
+            LtrProblem::kPlace);
+  EXPECT_EQ(problemWith([](LtrView& ltr) { ltr.corners[2].x() = std::nan(""); }),
+            LtrProblem::kPlace);
+  EXPECT_EQ(problemWith([](LtrView& ltr) { std::swap(ltr.corners[0], ltr.corners[1]); }),
+            LtrProblem::kFlat);
+  EXPECT_EQ(problemWith([](LtrView& ltr) { ltr.corners[2] = ltr.corners[1]; }), LtrProblem::kFlat);
+  EXPECT_EQ(problemWith([](LtrView& ltr) { ltr.beta_cells = -3; }), LtrProblem::kNoCells);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "support/planner_meshes.h"
@@ -116,6 +117,32 @@ TEST(PlannerFeed, LeavesOutLtrsWhoseLandmarksAreNotKnown) {
   told.tellTopology();
   told.tellLayers();
   EXPECT_EQ(told.plan(Vector2d::Zero()).status, PlanStatus::kNoMap);
+  EXPECT_EQ(told.feed.waiting(), 4U);
+  told.tellLandmarks(Vector2d::Zero());
+  told.feed.tell(told.planner);
+  EXPECT_EQ(told.feed.waiting(), 0U);
+}
+
+TEST(PlannerFeed, TellsWhichLtrsThePlannerLeavesOutAndWhy) {
+  Told told;
+  told.mesh.ltrs[1].alpha_cells = 1 << 20;
+  told.mesh.ltrs[1].beta_cells = 1 << 10;
+  told.mesh.ltrs[3].beta_cells = 0;
+  told.tellTopology();
+  told.tellLandmarks(Vector2d::Zero());
+  told.feed.tell(told.planner);
+  const UnusableLtrs expected = {{told.mesh.ltrs[1].id, LtrProblem::kTooManyCells},
+                                 {told.mesh.ltrs[3].id, LtrProblem::kNoCells}};
+  EXPECT_EQ(told.feed.unusable(), expected);
+  EXPECT_THAT(countsOf(told.feed.unusable()),
+              testing::ElementsAre(testing::Pair("has more cells than plans have memory for (raise "
+                                                 "hymm_grid's resolution_m)",
+                                                 1U),
+                                   testing::Pair("has no cells", 1U)));
+  told.mesh.ltrs = test::SquareMesh(2, 1, 14.0, 0.2).ltrs;
+  told.tellTopology();
+  told.feed.tell(told.planner);
+  EXPECT_TRUE(told.feed.unusable().empty()) << "only what there is now";
 }
 
 TEST(DoorPlannerConfig, IsDocumentedByItsShippedFile) {
