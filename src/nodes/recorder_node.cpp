@@ -34,8 +34,10 @@ std::deque<Message> takeWhatFollows(const RecordingBreak& here, std::deque<Messa
 
 }  // namespace
 
-RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle)
+RecorderNode::RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle,
+                           int seed)
     : vehicle_(vehicle),
+      seed_(static_cast<std::size_t>(seed)),
       output_(config.output),
       writer_(config.output),
       grid_(config.output, causes_),
@@ -229,6 +231,7 @@ core::RunTotals RecorderNode::totals() const {
   core::RunTotals totals;
   // To the last scan: a playback that is kept on the screen has long ended.
   totals.wall_s = (scans_.empty() && isQuiet() ? last_scan_wall_s_ : steadyNow()) - begin_wall_s_;
+  totals.seed = seed_;
   totals.gps_antenna_m = vehicle_.gps_antenna.T_base_sensor().position();
   totals.notes = {
       "Recorded live: peak_rss_mb is that of the node cekf_slam, cpu_s that node's and the dense "

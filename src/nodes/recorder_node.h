@@ -40,8 +40,9 @@ namespace hymm {
 /// when that is possible again. Until the first scan the folder stays as it is.
 class RecorderNode {
  public:
-  /// Throws OutputError if the folder cannot be written.
-  RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle);
+  /// `seed`: of the run's randomness, the relocaliser's. Throws OutputError if the folder cannot be
+  /// written.
+  RecorderNode(const RecorderConfig& config, const core::VehicleConfig& vehicle, int seed);
 
   /// Writes what is left; nothing may come afterwards. Throws OutputError.
   void finish();
@@ -72,6 +73,7 @@ class RecorderNode {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   core::VehicleConfig vehicle_;
+  std::size_t seed_;
   std::string output_;
   core::ResultsWriter writer_;
   CauseLog causes_;

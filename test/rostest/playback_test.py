@@ -141,7 +141,7 @@ class Playback(unittest.TestCase):
         self.assertEqual(offline["scans"], scans)
         self.assertGreater(offline["landmarks"], 3)
         for key in ("scans", "landmarks", "observations", "associated", "rejected",
-                    "mode_switches"):
+                    "mode_switches", "seed"):
             self.assertEqual(live[key], offline[key], key)
         self.assertEqual(live["dropped_scans"], 0)
         self.assertLessEqual(live["subsystem_cpu_s"].keys(), offline["subsystem_cpu_s"].keys())
@@ -216,8 +216,9 @@ class Playback(unittest.TestCase):
         self.assertGreater(numbers, len(live))
 
     def test_car_with_encoders(self):
-        self.run_both("vehicle: simulated_car\n")
+        self.run_both("vehicle: simulated_car\nrelocaliser: {seed: 7}\n")
         self.expect_equal_results(scans=DURATION_S * SCANS_HZ)
+        self.assertEqual(json.loads((self.path / "live" / "summary.json").read_text())["seed"], 7)
         self.expect_diagnostics_agree()
         self.expect_equal_maps()
 
