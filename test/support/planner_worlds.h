@@ -46,6 +46,13 @@ inline Occupancy discs(std::uint64_t seed, int count, double extent_m,
   };
 }
 
+inline core::PlanRequest requestFor(const Eigen::Vector2d& start, const Eigen::Vector2d& goal) {
+  core::PlanRequest request;
+  request.start = start;
+  request.goal = goal;
+  return request;
+}
+
 /// A mesh of 4 x 4 squares of 12 m, jittered, with a planner that knows it.
 struct PlannerWorld {
   SquareMesh mesh{4, 4, 12.0, 0.2, 2.0, 3};
@@ -62,10 +69,7 @@ struct PlannerWorld {
     planner.prepare(Eigen::Vector2d::Zero());
   }
   core::Plan plan(const Eigen::Vector2d& start, const Eigen::Vector2d& goal) const {
-    core::PlanRequest request;
-    request.start = start;
-    request.goal = goal;
-    return planner.plan(request);
+    return planner.plan(requestFor(start, goal));
   }
 };
 

@@ -18,6 +18,7 @@ using test::discs;
 using test::freeGround;
 using test::isFree;
 using test::Occupancy;
+using test::requestFor;
 using test::wallWithGap;
 using World = test::PlannerWorld;
 
@@ -73,9 +74,7 @@ TEST(DoorPlanner, TellsOfAGoalOnAnotherIsland) {
 
 TEST(DoorPlanner, MovesAnOccupiedGoalWithinTheTolerance) {
   const World world(wallWithGap(30.0, 4.0));
-  PlanRequest request;
-  request.start = {8.0, 8.0};
-  request.goal = {23.9, 8.0};
+  PlanRequest request = requestFor({8.0, 8.0}, {23.9, 8.0});
   request.tolerance_m = 2.0;
   const Plan plan = world.planner.plan(request);
   ASSERT_EQ(plan.status, PlanStatus::kOk) << plan.sentence;
@@ -84,9 +83,7 @@ TEST(DoorPlanner, MovesAnOccupiedGoalWithinTheTolerance) {
 
 TEST(DoorPlanner, RefusesAToleranceThatIsNotFinite) {
   const World world(freeGround);
-  PlanRequest request;
-  request.start = {8.0, 8.0};
-  request.goal = {40.0, 8.0};
+  PlanRequest request = requestFor({8.0, 8.0}, {40.0, 8.0});
   for (const double tolerance_m : {double{INFINITY}, double{NAN}, -1.0}) {
     request.tolerance_m = tolerance_m;
     EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kBadRequest) << tolerance_m;
@@ -95,8 +92,7 @@ TEST(DoorPlanner, RefusesAToleranceThatIsNotFinite) {
 
 TEST(DoorPlanner, LooksForAFreePlaceNoFartherThanTheMapReaches) {
   const World world([](const Vector2d&) { return 1.0F; });
-  PlanRequest request;
-  request.goal = {40.0, 8.0};
+  PlanRequest request = requestFor({8.0, 8.0}, {40.0, 8.0});
   request.tolerance_m = 1e6;
   int asked = 0;
   request.interrupted = [&] {
@@ -120,9 +116,7 @@ TEST(DoorPlanner, LooksForAFreePlaceNoFartherThanTheMapReaches) {
 
 TEST(DoorPlanner, FindsAFreePlaceInAMapFarAway) {
   const World world(freeGround);
-  PlanRequest request;
-  request.start = {-9e5, 24.0};
-  request.goal = {40.0, 8.0};
+  PlanRequest request = requestFor({-9e5, 24.0}, {40.0, 8.0});
   request.tolerance_m = 1e6;
   const Plan plan = world.planner.plan(request);
   ASSERT_TRUE(plan.ok()) << plan.sentence;
@@ -148,9 +142,7 @@ TEST(DoorPlanner, RefusesAnUnusableConfigurationWithAllItsProblems) {
 
 TEST(DoorPlanner, EndsWhenItIsInterrupted) {
   const World world(freeGround);
-  PlanRequest request;
-  request.start = {5.0, 6.0};
-  request.goal = {40.0, 33.0};
+  PlanRequest request = requestFor({5.0, 6.0}, {40.0, 33.0});
   request.interrupted = [] { return PlanStatus::kTimeout; };
   EXPECT_EQ(world.planner.plan(request).status, PlanStatus::kTimeout);
   request.interrupted = [] { return PlanStatus::kCancelled; };
@@ -159,9 +151,7 @@ TEST(DoorPlanner, EndsWhenItIsInterrupted) {
 
 TEST(DoorPlanner, StaysWhereItIsInformedOrSaysThatItCannot) {
   const World world(freeGround);
-  PlanRequest request;
-  request.start = {5.0, 8.0};
-  request.goal = {40.0, 8.0};
+  PlanRequest request = requestFor({5.0, 8.0}, {40.0, 8.0});
   // A stripe across the straight way is not informed, up to y = 20 m.
   request.is_informed = [](const Vector2d& p) {
     return std::abs(p.x() - 22.0) > 4.0 || p.y() > 20.0;
@@ -180,9 +170,7 @@ TEST(DoorPlanner, StaysWhereItIsInformedOrSaysThatItCannot) {
 
 TEST(DoorPlanner, AsksForNoOtherWayWhenItsTimeIsOver) {
   const World world(freeGround);
-  PlanRequest request;
-  request.start = {5.0, 8.0};
-  request.goal = {40.0, 8.0};
+  PlanRequest request = requestFor({5.0, 8.0}, {40.0, 8.0});
   request.is_informed = [](const Vector2d& p) { return std::abs(p.x() - 22.0) > 4.0; };
   // When it is asked again there was no way that is informed.
   int asked = 0;
@@ -201,9 +189,7 @@ TEST(DoorPlanner, KeepsHalfTheWidthAwayFromObstaclesAcrossSides) {
   planner.setContent(0, test::contentOf(mesh.ltrs[0], disc));
   planner.setContent(1, test::contentOf(mesh.ltrs[1], freeGround));
   planner.prepare(Vector2d::Zero());
-  PlanRequest request;
-  request.start = {8.4, 8.4};  // in the other LTR
-  request.goal = {14.0, 14.0};
+  PlanRequest request = requestFor({8.4, 8.4}, {14.0, 14.0});  // both in the other LTR
   EXPECT_EQ(planner.plan(request).status, PlanStatus::kStartOccupied);
   request.start = {9.3, 9.3};
   EXPECT_EQ(planner.plan(request).status, PlanStatus::kOk);

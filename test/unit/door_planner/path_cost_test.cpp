@@ -18,6 +18,7 @@ using Eigen::Vector2d;
 using test::discs;
 using test::freeGround;
 using test::Occupancy;
+using test::requestFor;
 using World = test::PlannerWorld;
 
 TEST(DoorPlanner, PaysForUncertainShapes) {
@@ -90,9 +91,7 @@ TEST(DoorPlanner, TakesWeightsThatARequestBrings) {
   show(world, {{"mud", [](const Vector2d& p) {
                   return std::abs(p.x() - 24.0) < 4.0 && p.y() < 20.0 ? 1.0F : 0.0F;
                 }}});
-  PlanRequest request;
-  request.start = {8.0, 8.0};
-  request.goal = {40.0, 8.0};
+  PlanRequest request = requestFor({8.0, 8.0}, {40.0, 8.0});
   EXPECT_NEAR(world.planner.plan(request).cost, 32.0, 1e-3);
   request.weights = "mud 10";
   const Plan dry = world.planner.plan(request);
@@ -111,9 +110,7 @@ TEST(DoorPlanner, TakesWeightsThatARequestBrings) {
 TEST(DoorPlanner, TellsOfWeightsOfLayersThatNobodyMeasured) {
   World world(freeGround);
   show(world, {{"mud", [](const Vector2d&) { return 1.0F; }}});
-  PlanRequest request;
-  request.start = {8.0, 8.0};
-  request.goal = {40.0, 8.0};
+  PlanRequest request = requestFor({8.0, 8.0}, {40.0, 8.0});
   request.weights = "mud 1; distance 2";
   EXPECT_THAT(world.planner.plan(request).sentence, testing::Not(testing::HasSubstr("No LTR")));
   request.weights = "mut 1; ice.in>out one_way 5";
@@ -126,9 +123,7 @@ TEST(DoorPlanner, TellsOfWeightsOfLayersThatNobodyMeasured) {
 
 TEST(DoorPlanner, RefusesWeightsOfARequestThatCannotBeUsed) {
   const World world(freeGround);
-  PlanRequest request;
-  request.start = {8.0, 8.0};
-  request.goal = {40.0, 8.0};
+  PlanRequest request = requestFor({8.0, 8.0}, {40.0, 8.0});
   for (const auto& [weights, words] :
        {std::make_pair("mud -1", "'mud -1'"), std::make_pair("mud", "'mud'"),
         std::make_pair("distance 0; occupancy 0; unknown 0", "cost nothing"),
@@ -146,9 +141,7 @@ TEST(DoorPlanner, RefusesWeightsOfARequestThatCannotBeUsed) {
 
 TEST(DoorPlanner, KeepsWhatItHasComputedForWeightsWhenItIsInterrupted) {
   const World world(discs(3, 30, 48.0, {{5.0, 5.0}, {43.0, 43.0}}));
-  PlanRequest request;
-  request.start = {5.0, 5.0};
-  request.goal = {43.0, 43.0};
+  PlanRequest request = requestFor({5.0, 5.0}, {43.0, 43.0});
   request.weights = "unknown 5";
   request.interrupted = [] { return PlanStatus::kTimeout; };
   const Plan first = world.planner.plan(request);
@@ -196,9 +189,7 @@ class HeldRequest {
 
 TEST(DoorPlanner, WaitsForWeightsThatAnotherRequestPreparesUntilItIsInterrupted) {
   const World world(freeGround);
-  PlanRequest request;
-  request.start = {5.0, 5.0};
-  request.goal = {43.0, 43.0};
+  PlanRequest request = requestFor({5.0, 5.0}, {43.0, 43.0});
   request.weights = "unknown 5";
   {
     const HeldRequest held(world.planner, request);
@@ -213,9 +204,7 @@ TEST(DoorPlanner, WaitsForWeightsThatAnotherRequestPreparesUntilItIsInterrupted)
 
 TEST(DoorPlanner, PreparesTwoSetsOfWeightsAtOnceAndNoMore) {
   const World world(freeGround);
-  PlanRequest request;
-  request.start = {5.0, 5.0};
-  request.goal = {43.0, 43.0};
+  PlanRequest request = requestFor({5.0, 5.0}, {43.0, 43.0});
   request.weights = "unknown 5";
   {
     const HeldRequest held(world.planner, request);

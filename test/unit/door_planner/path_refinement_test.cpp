@@ -100,9 +100,7 @@ TEST(Footprint, CoversTheLengthOfTheVehicle) {
 }
 
 PlanRequest refinedRequest(const Vector2d& start, const Vector2d& goal) {
-  PlanRequest request;
-  request.start = start;
-  request.goal = goal;
+  PlanRequest request = test::requestFor(start, goal);
   request.is_refined = true;
   return request;
 }

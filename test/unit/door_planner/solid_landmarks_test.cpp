@@ -51,10 +51,7 @@ struct TwoSquares {
     planner.prepare(Vector2d::Zero());
   }
   Plan plan(const Vector2d& start, const Vector2d& goal) const {
-    PlanRequest request;
-    request.start = start;
-    request.goal = goal;
-    return planner.plan(request);
+    return planner.plan(test::requestFor(start, goal));
   }
 };
 

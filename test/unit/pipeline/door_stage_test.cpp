@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/landmark_triangle.h"
+
 namespace hymm::core {
 namespace {
 
@@ -11,35 +13,19 @@ using testing::HasSubstr;
 using testing::Key;
 using testing::Not;
 
-/// Three landmarks that span an LTR of 20 m around the origin.
-std::shared_ptr<const LandmarkMap> triangle() {
-  auto map = std::make_shared<LandmarkMap>();
-  map->version = 1;
-  const double places[3][2] = {{-8.0, -8.0}, {12.0, -8.0}, {-8.0, 12.0}};
-  for (int id = 0; id < 3; ++id) {
-    LandmarkEstimate landmark;
-    landmark.id = id;
-    landmark.position = {places[id][0], places[id][1]};
-    landmark.covariance = 0.01 * Eigen::Matrix2d::Identity();
-    landmark.observations = 20;
-    map->landmarks.push_back(landmark);
-    for (int other = 0; other < id; ++other) {
-      map->cross_covariances.push_back({other, id, 0.0099 * Eigen::Matrix2d::Identity()});
-    }
-  }
-  return map;
-}
-
 std::map<std::string, std::size_t> incidentsWithCellsOf(double resolution_m) {
   HymmGridConfig grid;
   grid.map.resolution_m = resolution_m;
   grid.map.max_memory_mb = 1e6;
   grid.map.occupancy.range_m = 1.0;
   GridMapper mapper(grid);
+  // An LTR of 20 m.
+  const auto landmarks = std::make_shared<const LandmarkMap>(
+      test::landmarkTriangle({{{-8.0, -8.0}, {12.0, -8.0}, {-8.0, 12.0}}}));
   MappedScan mapped;
   mapped.pose.map_version = 1;
   mapped.update.version = 1;
-  mapped.map = triangle();
+  mapped.map = landmarks;
   EXPECT_TRUE(mapper.process(mapped).follows);
   EXPECT_EQ(mapper.topology().size(), 1U);
 
@@ -49,7 +35,7 @@ std::map<std::string, std::size_t> incidentsWithCellsOf(double resolution_m) {
   stage.readMapOf(mapper);
   CekfSlam filter(CekfSlamConfig{}, VehicleConfig{});
   const SensorEvent event = ObservationSet{};
-  stage.takeScan({event, ScanOutcome{}, LandmarkUpdate{}, triangle()}, filter);
+  stage.takeScan({event, ScanOutcome{}, LandmarkUpdate{}, landmarks}, filter);
   return stage.incidents();
 }
 

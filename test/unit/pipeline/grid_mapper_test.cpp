@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/landmark_triangle.h"
 #include "support/shipped_config.h"
 
 namespace hymm::core {
@@ -16,21 +17,8 @@ using testing::SizeIs;
 
 /// Three landmarks around the origin that span an LTR of 14 m.
 std::shared_ptr<LandmarkMap> triangle(std::uint64_t version) {
-  auto map = std::make_shared<LandmarkMap>();
-  map->version = version;
-  const double places[3][2] = {{-5.0, -5.0}, {10.0, -5.0}, {-5.0, 10.0}};
-  for (int id = 0; id < 3; ++id) {
-    LandmarkEstimate landmark;
-    landmark.id = id;
-    landmark.position = {places[id][0], places[id][1]};
-    landmark.covariance = 0.01 * Eigen::Matrix2d::Identity();
-    landmark.observations = 20;
-    map->landmarks.push_back(landmark);
-    for (int other = 0; other < id; ++other) {
-      map->cross_covariances.push_back({other, id, 0.0099 * Eigen::Matrix2d::Identity()});
-    }
-  }
-  return map;
+  return std::make_shared<LandmarkMap>(
+      test::landmarkTriangle({{{-5.0, -5.0}, {10.0, -5.0}, {-5.0, 10.0}}}, version));
 }
 
 /// A scan with one beam of 2 m straight ahead, from base_link at the origin.

@@ -15,65 +15,23 @@ LandmarkEstimate landmarkAt(int id, double x_m) {
   return landmark;
 }
 
-class LandmarkMirrorTest : public ::testing::Test {
- protected:
-  LandmarkMirrorTest() {
-    LandmarkMap map;
-    map.version = 10;
-    map.landmarks = {landmarkAt(1, 1.0), landmarkAt(4, 4.0)};
-    mirror_.take(map);
-  }
-  LandmarkMirror mirror_;
-};
-
-TEST_F(LandmarkMirrorTest, AppliesWhatMovedCameAndWent) {
-  LandmarkUpdate update;
-  update.since_version = 10;
-  update.version = 12;
-  update.changed = {landmarkAt(2, 2.0), landmarkAt(4, 4.5)};
-  update.removed_ids = {1};
-  EXPECT_TRUE(mirror_.take(update));
-  ASSERT_EQ(mirror_.map().landmarks.size(), 2U);
-  EXPECT_EQ(mirror_.map().landmarks[0].id, 2);
-  EXPECT_EQ(mirror_.map().landmarks[1].position.x(), 4.5);
-  EXPECT_EQ(mirror_.map().version, 12U);
+/// Each landmark at so many metres as its id.
+LandmarkMap mapOf(std::uint64_t version, const std::vector<int>& ids) {
+  LandmarkMap map;
+  map.version = version;
+  for (const int id : ids) map.landmarks.push_back(landmarkAt(id, 1.0 * id));
+  return map;
 }
 
-TEST_F(LandmarkMirrorTest, TellsThatChangesAreMissing) {
+LandmarkUpdate updateFrom(std::uint64_t since_version, std::uint64_t version,
+                          const std::vector<LandmarkEstimate>& changed,
+                          const std::vector<int>& removed_ids = {}) {
   LandmarkUpdate update;
-  update.since_version = 11;
-  update.version = 12;
-  update.removed_ids = {1};
-  EXPECT_FALSE(mirror_.take(update));
-  EXPECT_EQ(mirror_.map().landmarks.size(), 2U);
-}
-
-TEST_F(LandmarkMirrorTest, IgnoresAMapThatAnUpdateHasOvertaken) {
-  LandmarkUpdate update;
-  update.since_version = 10;
-  update.version = 12;
-  update.removed_ids = {1, 4};
-  ASSERT_TRUE(mirror_.take(update));
-  LandmarkMap old;
-  old.version = 11;
-  old.landmarks = {landmarkAt(1, 1.0)};
-  mirror_.take(old);
-  EXPECT_TRUE(mirror_.map().landmarks.empty());
-}
-
-TEST_F(LandmarkMirrorTest, MakesChangesAgainOnAMapThatTheyOvertook) {
-  LandmarkUpdate update;
-  update.since_version = 11;
-  update.version = 12;
-  update.removed_ids = {1};
-  EXPECT_FALSE(mirror_.take(update));
-  LandmarkMap late;
-  late.version = 11;
-  late.landmarks = {landmarkAt(1, 1.0), landmarkAt(7, 7.0)};
-  mirror_.take(late);
-  ASSERT_EQ(mirror_.map().landmarks.size(), 1U);
-  EXPECT_EQ(mirror_.map().landmarks[0].id, 7);
-  EXPECT_EQ(mirror_.map().version, 12U);
+  update.since_version = since_version;
+  update.version = version;
+  update.changed = changed;
+  update.removed_ids = removed_ids;
+  return update;
 }
 
 std::vector<int> idsOf(const LandmarkMap& map) {
@@ -82,11 +40,39 @@ std::vector<int> idsOf(const LandmarkMap& map) {
   return ids;
 }
 
+class LandmarkMirrorTest : public ::testing::Test {
+ protected:
+  LandmarkMirrorTest() { mirror_.take(mapOf(10, {1, 4})); }
+  LandmarkMirror mirror_;
+};
+
+TEST_F(LandmarkMirrorTest, AppliesWhatMovedCameAndWent) {
+  EXPECT_TRUE(mirror_.take(updateFrom(10, 12, {landmarkAt(2, 2.0), landmarkAt(4, 4.5)}, {1})));
+  ASSERT_THAT(idsOf(mirror_.map()), testing::ElementsAre(2, 4));
+  EXPECT_EQ(mirror_.map().landmarks[1].position.x(), 4.5);
+  EXPECT_EQ(mirror_.map().version, 12U);
+}
+
+TEST_F(LandmarkMirrorTest, TellsThatChangesAreMissing) {
+  EXPECT_FALSE(mirror_.take(updateFrom(11, 12, {}, {1})));
+  EXPECT_EQ(mirror_.map().landmarks.size(), 2U);
+}
+
+TEST_F(LandmarkMirrorTest, IgnoresAMapThatAnUpdateHasOvertaken) {
+  ASSERT_TRUE(mirror_.take(updateFrom(10, 12, {}, {1, 4})));
+  mirror_.take(mapOf(11, {1}));
+  EXPECT_TRUE(mirror_.map().landmarks.empty());
+}
+
+TEST_F(LandmarkMirrorTest, MakesChangesAgainOnAMapThatTheyOvertook) {
+  EXPECT_FALSE(mirror_.take(updateFrom(11, 12, {}, {1})));
+  mirror_.take(mapOf(11, {1, 7}));
+  EXPECT_THAT(idsOf(mirror_.map()), testing::ElementsAre(7));
+  EXPECT_EQ(mirror_.map().version, 12U);
+}
+
 TEST_F(LandmarkMirrorTest, OrdersAMapThatComesInDisorder) {
-  LandmarkMap map;
-  map.version = 11;
-  map.landmarks = {landmarkAt(9, 9.0), landmarkAt(2, 2.0), landmarkAt(5, 5.0)};
-  mirror_.take(map);
+  mirror_.take(mapOf(11, {9, 2, 5}));
   EXPECT_THAT(idsOf(mirror_.map()), testing::ElementsAre(2, 5, 9));
 }
 
@@ -108,19 +94,8 @@ class RestartedFilterTest : public LandmarkMirrorTest {
     mirror_.hear(391);
   }
 
-  static LandmarkMap mapOf(std::uint64_t version, const std::vector<int>& ids) {
-    LandmarkMap map;
-    map.version = version;
-    for (const int id : ids) map.landmarks.push_back(landmarkAt(id, 1.0 * id));
-    return map;
-  }
-
   static LandmarkUpdate updateTo(std::uint64_t version, const std::vector<int>& ids) {
-    LandmarkUpdate update;
-    update.since_version = version - 1;
-    update.version = version;
-    for (const int id : ids) update.changed.push_back(landmarkAt(id, 1.0 * id));
-    return update;
+    return updateFrom(version - 1, version, mapOf(version, ids).landmarks);
   }
 
   void expect(std::uint64_t version, const std::vector<int>& ids) {
@@ -184,34 +159,21 @@ TEST_F(RestartedFilterTest, IsFollowedAgainAfterTheNextRestart) {
 }
 
 TEST_F(LandmarkMirrorTest, TakesMapsOfARestartedFilterThatItsMapsDoNotTell) {
-  LandmarkUpdate update;
-  update.since_version = 10;
-  update.version = 20;
-  ASSERT_TRUE(mirror_.take(update));
-  for (std::uint64_t version = 10; version <= 12;
-       ++version) {  // its first that came; the map at 10 held
-    update.since_version = version - 1;
-    update.version = version;
-    mirror_.take(update);
+  ASSERT_TRUE(mirror_.take(updateFrom(10, 20, {})));
+  // Its first that came; the map at 10 held.
+  for (std::uint64_t version = 10; version <= 12; ++version) {
+    mirror_.take(updateFrom(version - 1, version, {}));
   }
   EXPECT_EQ(mirror_.restarts(), 1u);
-  LandmarkMap map;
-  map.version = 12;
-  map.landmarks = {landmarkAt(8, 8.0)};
-  mirror_.take(map);
+  mirror_.take(mapOf(12, {8}));
   EXPECT_THAT(idsOf(mirror_.map()), testing::ElementsAre(8));
   EXPECT_EQ(mirror_.restarts(), 1u);
 }
 
 TEST_F(LandmarkMirrorTest, ALateMapOfAnIntactFilterIsNoRestart) {
-  LandmarkUpdate update;
-  update.since_version = 10;
-  update.version = 12;
-  ASSERT_TRUE(mirror_.take(update));
-  LandmarkMap late;
-  late.version = 11;
-  mirror_.take(late);
-  mirror_.take(late);  // latched, sent once more
+  ASSERT_TRUE(mirror_.take(updateFrom(10, 12, {})));
+  mirror_.take(mapOf(11, {}));
+  mirror_.take(mapOf(11, {}));  // latched, sent once more
   EXPECT_EQ(mirror_.restarts(), 0u);
   EXPECT_EQ(mirror_.map().landmarks.size(), 2U);
 }

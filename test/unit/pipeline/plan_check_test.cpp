@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/landmark_triangle.h"
+
 namespace hymm::core {
 namespace {
 
@@ -13,23 +15,13 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Three trunks of 1 m that span an LTR, and one inside of it that no cell shows.
 LandmarkMap trunks() {
-  LandmarkMap map;
-  map.version = 1;
-  const double places[4][2] = {{-5.0, -5.0}, {15.0, -5.0}, {-5.0, 15.0}, {1.0, 1.0}};
-  for (int id = 0; id < 4; ++id) {
-    LandmarkEstimate landmark;
-    landmark.id = id;
-    landmark.position = {places[id][0], places[id][1]};
-    landmark.covariance = 0.01 * Eigen::Matrix2d::Identity();
-    landmark.diameter_m = 1.0;
-    landmark.observations = id < 3 ? 20 : 1;
-    map.landmarks.push_back(landmark);
-  }
-  for (int first = 0; first < 3; ++first) {
-    for (int second = first + 1; second < 3; ++second) {
-      map.cross_covariances.push_back({first, second, 0.0099 * Eigen::Matrix2d::Identity()});
-    }
-  }
+  LandmarkMap map = test::landmarkTriangle({{{-5.0, -5.0}, {15.0, -5.0}, {-5.0, 15.0}}});
+  LandmarkEstimate inside = map.landmarks[0];
+  inside.id = 3;
+  inside.position = {1.0, 1.0};
+  inside.observations = 1;
+  map.landmarks.push_back(inside);
+  for (LandmarkEstimate& landmark : map.landmarks) landmark.diameter_m = 1.0;
   return map;
 }
 

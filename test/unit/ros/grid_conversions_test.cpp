@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/landmark_triangle.h"
+
 namespace hymm {
 namespace {
 
@@ -87,21 +89,7 @@ core::HybridMap smallMap() {
   core::HybridMapConfig config;
   config.layers = "terrain category grass asphalt";
   core::HybridMap map(config);
-  core::LandmarkMap landmarks;
-  landmarks.version = 1;
-  const double places[3][2] = {{0.0, 0.0}, {10.0, 0.0}, {0.0, 10.0}};
-  for (int id = 0; id < 3; ++id) {
-    core::LandmarkEstimate landmark;
-    landmark.id = id;
-    landmark.position = {places[id][0], places[id][1]};
-    landmark.covariance = 0.01 * Eigen::Matrix2d::Identity();
-    landmark.observations = 20;
-    landmarks.landmarks.push_back(landmark);
-    for (int other = 0; other < id; ++other) {
-      landmarks.cross_covariances.push_back({other, id, 0.0099 * Eigen::Matrix2d::Identity()});
-    }
-  }
-  map.apply(landmarks);
+  map.apply(test::landmarkTriangle({{{0.0, 0.0}, {10.0, 0.0}, {0.0, 10.0}}}));
   return map;
 }
 
