@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 
 #include "hybrid_map/log_odds.h"
+#include "hybrid_map/written_beam.h"
 
 namespace hymm::benchmarks {
 
@@ -39,16 +41,11 @@ std::size_t FlatGrid::insert(const core::LaserScan& scan, const core::Pose2& T_m
   std::size_t beams = 0;
   const Eigen::Vector2d start = (T_map_laser.position() - low_) * cells_per_m_;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const auto range = static_cast<double>(scan.ranges_m[i]);
-    const bool is_measured = range >= scan.range_min_m && range <= scan.range_max_m;
-    const bool is_clear = std::isinf(range) && range > 0.0 && config_.clear_without_return;
-    if (!is_measured && !is_clear) continue;
-    const double length =
-        std::min({range, config_.range_m, is_clear ? scan.range_max_m : config_.range_m});
+    const std::optional<core::WrittenBeam> written = core::writtenBeam(scan, i, config_);
+    if (!written) continue;
     const double bearing = T_map_laser.yaw_rad + scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
-    writeBeam(start, start + cells_per_m_ * length * along,
-              is_measured && range <= config_.range_m);
+    writeBeam(start, start + cells_per_m_ * written->length_m * along, written->is_hit);
     ++beams;
   }
   return beams;

@@ -2,6 +2,7 @@
 // array: the same scans of the same drive, from the same poses.
 
 #include <cmath>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "benchmark/flat_grid.h"
 #include "benchmark/trunk_map.h"
 #include "hybrid_map/hybrid_map.h"
+#include "hybrid_map/written_beam.h"
 #include "simulation/simulation.h"
 
 namespace hymm::benchmarks {
@@ -99,14 +101,13 @@ std::size_t insert(const PosedScan& posed, const core::OccupancyConfig& config,
   const core::Pose2& pose = posed.T_map_laser;
   const octomap::point3d origin(static_cast<float>(pose.x_m), static_cast<float>(pose.y_m), 0.1F);
   for (std::size_t i = 0; i < posed.scan.ranges_m.size(); ++i) {
-    const auto range = static_cast<double>(posed.scan.ranges_m[i]);
-    const bool is_measured = range >= posed.scan.range_min_m && range <= posed.scan.range_max_m;
-    if (!is_measured && !(std::isinf(range) && range > 0.0)) continue;
-    const double length = std::min(range, config.range_m);
+    const std::optional<core::WrittenBeam> written = core::writtenBeam(posed.scan, i, config);
+    if (!written) continue;
+    const double length = written->length_m;
     const double bearing = pose.yaw_rad + posed.scan.bearing(i);
     const octomap::point3d end(static_cast<float>(pose.x_m + length * std::cos(bearing)),
                                static_cast<float>(pose.y_m + length * std::sin(bearing)), 0.1F);
-    if (is_measured && range <= config.range_m) {
+    if (written->is_hit) {
       tree.insertRay(origin, end, -1.0, true);
     } else {
       octomap::KeyRay free;

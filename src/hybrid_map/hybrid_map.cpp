@@ -249,7 +249,7 @@ class HybridMap::Impl {
       }
     };
     counts_.moving_objects += traffic_.look(
-        posed.scan, posed.T_map_laser, config_.occupancy.range_m,
+        posed.scan, posed.T_map_laser, config_.occupancy,
         [this](const Eigen::Vector2d& place) { return occupancyLogOdds(place); }, take);
   }
 

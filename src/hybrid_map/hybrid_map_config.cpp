@@ -8,21 +8,6 @@
 
 namespace hymm::core {
 
-void OccupancyConfig::describe(ConfigSchema& schema) {
-  schema.number("hit_probability", hit_probability, Range::between(0.5, 0.99),
-                "that a cell is occupied in which one beam ends");
-  schema.number("miss_probability", miss_probability, Range::between(0.01, 0.5),
-                "that a cell is occupied through which one beam passes");
-  schema.number("min_probability", min_probability, Range::between(0.001, 0.5),
-                "below which no more is learned, so that what changes can be relearned");
-  schema.number("max_probability", max_probability, Range::between(0.5, 0.999),
-                "above which no more is learned");
-  schema.number("range_m", range_m, Range::positive(), "up to which beams are written");
-  schema.flag("clear_without_return", clear_without_return,
-              "a beam without return shows free space up to range_m; false for lasers that lose "
-              "dark or shiny things");
-}
-
 void CompressionConfig::describe(ConfigSchema& schema) {
   schema.text("form", form,
               "of LTRs beyond active_radius_m: lossless, or lossy (occupancy only: occupied, free "

@@ -4,26 +4,12 @@
 #include <vector>
 
 #include "common/config.h"
+#include "hybrid_map/occupancy_config.h"
 #include "hybrid_map/partition_config.h"
 #include "hybrid_map/traffic_counter.h"
 #include "hybrid_map/waiting_tiles.h"
 
 namespace hymm::core {
-
-/// How beams become occupancy (1). Of an occupied cell a beam meets what is in it in about 0.4 of
-/// all cases and else passes by, of a free one in less than 0.001 (counted in four simulated
-/// worlds, doc/hybrid_map.md). So a hit says almost as much as a map may know of a cell
-/// at all: where it was surely free, one hit leaves it in doubt, and the next one decides.
-struct OccupancyConfig {
-  double hit_probability = 0.95;
-  double miss_probability = 0.4;
-  double min_probability = 0.03;
-  double max_probability = 0.97;
-  double range_m = 30.0;
-  bool clear_without_return = true;
-
-  void describe(ConfigSchema& schema);
-};
 
 /// How LTRs far from the vehicle are compressed.
 struct CompressionConfig {

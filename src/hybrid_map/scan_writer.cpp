@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "hybrid_map/cell_traversal.h"
 #include "hybrid_map/log_odds.h"
+#include "hybrid_map/written_beam.h"
 
 namespace hymm::core {
 
@@ -82,20 +84,14 @@ std::size_t ScanWriter::write(const LaserScan& scan, const Pose2& T_map_laser,
   hits_.clear();
   std::size_t beams = 0;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const auto range = static_cast<double>(scan.ranges_m[i]);
-    // No return is told by infinity or the maximum; what lies beyond may as well be a mask.
-    const bool is_measured = scan.isHit(range);
-    const bool has_no_return = range > 0.0 && (std::isinf(range) || range == scan.range_max_m);
-    const bool is_clear = has_no_return && config_.clear_without_return;
-    if (!is_measured && !is_clear) continue;
-    const double length =
-        std::min({range, config_.range_m, is_clear ? scan.range_max_m : config_.range_m});
+    const std::optional<WrittenBeam> written = writtenBeam(scan, i, config_);
+    if (!written) continue;
     const Pose2 T_map_beam = scan.poseAtBeam(i, T_map_laser);
     const double bearing = T_map_beam.yaw_rad + scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
     const Eigen::Vector2d start = T_map_beam.position();
-    cutter_.cut(start, start + length * along, pieces_);
-    if (is_measured && range <= config_.range_m) addHit(pieces_.back(), writer);
+    cutter_.cut(start, start + written->length_m * along, pieces_);
+    if (written->is_hit) addHit(pieces_.back(), writer);
     ++beams;
   }
   chainPieces();

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "hybrid_map/log_odds.h"
+#include "hybrid_map/written_beam.h"
 
 namespace hymm::core {
 namespace {
@@ -118,21 +119,22 @@ bool TrafficCounter::isCertainlyFree(const Eigen::Vector2d& place, double time_s
   return true;
 }
 
-std::size_t TrafficCounter::look(const LaserScan& scan, const Pose2& T_map_laser, double range_m,
-                                 const Occupancy& occupancy, const Taker& take) {
+std::size_t TrafficCounter::look(const LaserScan& scan, const Pose2& T_map_laser,
+                                 const OccupancyConfig& written, const Occupancy& occupancy,
+                                 const Taker& take) {
   std::size_t moved = 0;
   const bool runs_back = period_start_s_ && scan.time_s < *period_start_s_;
   if (!period_start_s_ || runs_back || scan.time_s >= *period_start_s_ + config_.period_s) {
     if (period_start_s_ && !runs_back) moved = handOut(scan.time_s, take);
     squares_.clear();
     period_start_s_ = scan.time_s;
-    watch(scan, T_map_laser, range_m);
+    watch(scan, T_map_laser, written);
   }
   forgetEntered(scan.time_s);
   Run run;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
-    const bool is_hit = scan.isHit(range) && range <= range_m;
+    const bool is_hit = scan.isHit(range) && range <= written.range_m;
     const double bearing = scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
     const Pose2 T_map_beam = scan.poseAtBeam(i, T_map_laser);
@@ -166,16 +168,16 @@ void TrafficCounter::finish(Run& run, double time_s) {
   run = {};
 }
 
-/// All squares that beams pass are watched.
-void TrafficCounter::watch(const LaserScan& scan, const Pose2& T_map_laser, double range_m) {
+/// All squares are watched that beams show to be free: where nothing is known nothing is counted.
+void TrafficCounter::watch(const LaserScan& scan, const Pose2& T_map_laser,
+                           const OccupancyConfig& written) {
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const auto range = static_cast<double>(scan.ranges_m[i]);
-    if (!(range >= scan.range_min_m)) continue;
+    const std::optional<WrittenBeam> beam = writtenBeam(scan, i, written);
+    if (!beam) continue;
     const double bearing = scan.bearing(i);
     const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
-    const double end = std::min({range, range_m, scan.range_max_m});
     const Pose2 T_map_beam = scan.poseAtBeam(i, T_map_laser);
-    for (double at = 0.0; at < end; at += config_.square_m) {
+    for (double at = 0.0; at < beam->length_m; at += config_.square_m) {
       squares_.emplace(squareOf(T_map_beam * (at * along)), false);
     }
   }

@@ -13,6 +13,7 @@
 #include "common/config.h"
 #include "common/pose2.h"
 #include "hybrid_map/layer_set.h"
+#include "hybrid_map/occupancy_config.h"
 #include "perception/laser_scan.h"
 
 namespace hymm::core {
@@ -52,7 +53,7 @@ class TrafficCounter {
 
   /// Looks at a scan before it is written. At the end of a period, hands out what was counted.
   /// Returns the number of squares in which something moved, if it is the end of one.
-  std::size_t look(const LaserScan& scan, const Pose2& T_map_laser, double range_m,
+  std::size_t look(const LaserScan& scan, const Pose2& T_map_laser, const OccupancyConfig& written,
                    const Occupancy& occupancy, const Taker& take);
 
   double square_m() const { return config_.square_m; }
@@ -81,7 +82,7 @@ class TrafficCounter {
                        const Occupancy& occupancy) const;
   bool wasFreeAt(const Eigen::Vector2d& place, double time_s) const;
   void forgetEntered(double time_s);
-  void watch(const LaserScan& scan, const Pose2& T_map_laser, double range_m);
+  void watch(const LaserScan& scan, const Pose2& T_map_laser, const OccupancyConfig& written);
   std::size_t handOut(double time_s, const Taker& take);
 
   TrafficConfig config_;

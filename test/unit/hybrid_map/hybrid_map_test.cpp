@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include <gmock/gmock.h>
 
@@ -61,13 +62,26 @@ TEST(HybridMap, LearnsByEquationOneUpToItsBound) {
   }
 }
 
-TEST(HybridMap, ABeamWithoutReturnIsFreeAsFarAsBeamsAreWritten) {
+TEST(HybridMap, ABeamWithoutReturnIsFreeAsFarAsTheLaserSeesDarkThingsAndBeamsAreWritten) {
+  for (const auto& [range_m, clear_range_m] : {std::pair(8.0, 15.0), {15.0, 8.0}}) {
+    HybridMapConfig config = withLayers();
+    config.occupancy.range_m = range_m;
+    config.occupancy.clear_range_m = clear_range_m;
+    HybridMap map = mapOver(squareMap(), config);
+    map.insert(beam({-5.0, 0.05, 0.0}, std::numeric_limits<double>::infinity()));
+    EXPECT_LT(probabilityAt(map, {2.9, 0.05}), 0.5);
+    EXPECT_EQ(map.query("occupancy", {3.5, 0.05}).status, Status::kUnknown);
+  }
+}
+
+TEST(HybridMap, ABeamWithoutReturnShowsNothingWhereTheLaserLosesMuch) {
   HybridMapConfig config = withLayers();
-  config.occupancy.range_m = 8.0;
+  config.occupancy.clear_range_m = 0.0;
   HybridMap map = mapOver(squareMap(), config);
-  map.insert(beam({-5.0, 0.05, 0.0}, std::numeric_limits<double>::infinity()));
-  EXPECT_LT(probabilityAt(map, {2.9, 0.05}), 0.5);
-  EXPECT_EQ(map.query("occupancy", {3.5, 0.05}).status, Status::kUnknown);
+  const double infinity = std::numeric_limits<double>::infinity();
+  ASSERT_TRUE(map.insert(beam({-5.0, 0.05, 0.0}, infinity)).accepted);
+  EXPECT_EQ(map.counts().beams, 0U);
+  EXPECT_EQ(map.query("occupancy", {-4.0, 0.05}).status, Status::kUnknown);
 }
 
 TEST(HybridMap, WritesEachBeamFromWhereItsLaserWasByThen) {

@@ -1,5 +1,7 @@
 #include "hybrid_map/traffic_counter.h"
 
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,10 +23,9 @@ HybridMapConfig counting() {
 
 std::size_t movingObjectsIn(SimulationConfig simulation, bool with_movers) {
   if (!with_movers) simulation.world.people = simulation.world.moving_cars = 0;
-  // The laser gets no return from dark paint far away: there that is no proof of free space. In the
-  // open park it is the only one.
+  // In the open park beams without return are the only proof of free space.
   HybridMapConfig config = counting();
-  config.occupancy.clear_without_return = simulation.world.name == "park";
+  if (simulation.world.name == "park") config.occupancy.clear_range_m = config.occupancy.range_m;
   TrueDrive drive(simulation, config, 2);
   drive.drive();
   return drive.map().counts().moving_objects;
@@ -96,6 +97,19 @@ TEST(TrafficCounter, AWallAlongWhichTheLaserLooksIsNoObjectWhenItIsSeenAtLast) {
   }
   for (int i = 43; i < 53; ++i) map.insert(scanAt(0.25 * i, {}));
   EXPECT_EQ(map.counts().moving_objects, 0U);
+}
+
+TEST(TrafficCounter, WatchesNoPlaceThatBeamsWithoutReturnDoNotShowToBeFree) {
+  HybridMapConfig config = counting();
+  config.occupancy.clear_range_m = 4.0;
+  HybridMap map(config);
+  ASSERT_TRUE(map.apply(mapOf({{-10, -10}, {10, -10}, {10, 10}, {-10.5, 10}})).accepted);
+  PosedScan open = scanAt(0.0, {});
+  const float nothing_met = std::numeric_limits<float>::infinity();
+  open.scan.ranges_m.assign(open.scan.ranges_m.size(), nothing_met);
+  for (; open.scan.time_s < 5.0; open.scan.time_s += 0.25) map.insert(open);
+  EXPECT_TRUE(map.query("traffic", {2.5, 0.5}).value);
+  EXPECT_FALSE(map.query("traffic", {7.5, 0.5}).value);
 }
 
 TEST(TrafficCounter, WhatHasComeToStayMovesNoLonger) {

@@ -305,6 +305,7 @@ std::set<std::pair<int, int>> tilesOf(const HybridMap& map) {
 TEST(HybridMap, OfWhatWasSeenAtOnceTheFarthestFromTheVehicleIsDropped) {
   // Without landmarks there is one sheet, whose axes are those of the map.
   HybridMapConfig config;
+  config.occupancy.clear_range_m = config.occupancy.range_m;
   const double scan_mb = WaitingConfig::scanMemory_mb(config.occupancy.range_m, 0.2);
   for (const double vehicle_x : {-100.0, 100.0}) {
     config.waiting.max_memory_mb = 1.1 * scan_mb;
