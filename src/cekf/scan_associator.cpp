@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -170,21 +171,41 @@ ScanAssociator::SearchCircle ScanAssociator::searchCircle(const Observation& obs
           kSearchMargin_m + std::sqrt(wider_gate_) * largestDeviation(covariance)};
 }
 
+// Where vehicle and landmarks share their uncertainty the nearest are the right ones. Where they do
+// not, an observation with so many landmarks in its reach tells nothing about where it is.
+std::vector<int> ScanAssociator::slotsIn(const SearchCircle& circle,
+                                         const LandmarkRegistry& registry) const {
+  // The deviation of a difference is at most the sum of both deviations.
+  const double gate = std::sqrt(wider_gate_);
+  const double reach_m = circle.own_reach_m + gate * registry.largestDeviation();
+  const auto distance_m = [&](int slot) {
+    return (registry.bySlot(slot).position - circle.centre).norm();
+  };
+  std::vector<int> slots = registry.slotsNear(circle.centre, reach_m);
+  const auto is_outside = [&](int slot) {
+    return distance_m(slot) > circle.own_reach_m + gate * registry.bySlot(slot).deviation_m;
+  };
+  slots.erase(std::remove_if(slots.begin(), slots.end(), is_outside), slots.end());
+  if (slots.size() > kMaxConsidered) {
+    const auto last = slots.begin() + static_cast<std::ptrdiff_t>(kMaxConsidered);
+    std::nth_element(slots.begin(), last, slots.end(), [&](int a, int b) {
+      return std::make_pair(distance_m(a), a) < std::make_pair(distance_m(b), b);
+    });
+    slots.erase(last, slots.end());
+    std::sort(slots.begin(), slots.end());
+  }
+  return slots;
+}
+
 std::vector<ScanAssociator::Candidate> ScanAssociator::compatibleLandmarks(
     const ObservationSet& set, const SensorPlacement& sensor, int observation_index,
     LandmarkRegistry& registry, CompressedEkf& filter, const VehicleMatrix* more,
     ScanAssociation& result) const {
   const auto i = static_cast<std::size_t>(observation_index);
   const SearchCircle circle = searchCircle(set.observations[i], sensor, filter, more);
-  // The deviation of a difference is at most the sum of both deviations.
-  const double gate = std::sqrt(wider_gate_);
-  const double reach_m = circle.own_reach_m + gate * registry.largestDeviation();
-
   std::vector<Candidate> candidates;
-  for (const int slot : registry.slotsNear(circle.centre, reach_m)) {
+  for (const int slot : slotsIn(circle, registry)) {
     RegisteredLandmark& landmark = registry.bySlot(slot);
-    const double distance_m = (landmark.position - circle.centre).norm();
-    if (distance_m > circle.own_reach_m + gate * landmark.deviation_m) continue;
     bool is_claimed = false;
     if (std::find(result.slots.begin(), result.slots.end(), slot) != result.slots.end()) {
       is_claimed = true;  // by an observation that tells its identity

@@ -54,7 +54,10 @@ class ScanAssociator {
     double distance2 = 0.0;  ///< squared Mahalanobis distance of the innovation alone
   };
 
-  /// Bounds the work in a world denser than the parameters expect.
+  /// Bound the work in a world denser than the parameters expect, or where the vehicle hardly knows
+  /// where it is: landmarks that are looked at for an observation, which makes them active, and
+  /// those of them that it may be of.
+  static constexpr std::size_t kMaxConsidered = 64;
   static constexpr std::size_t kMaxCandidates = 5;
 
   /// Where an observation may find its landmarks.
@@ -65,6 +68,8 @@ class ScanAssociator {
 
   SearchCircle searchCircle(const Observation& observation, const SensorPlacement& sensor,
                             const CompressedEkf& filter, const VehicleMatrix* more) const;
+  /// Slots of the landmarks in the circle, ascending; of too many the nearest.
+  std::vector<int> slotsIn(const SearchCircle& circle, const LandmarkRegistry& registry) const;
   bool isPlaceKnown(const Eigen::Matrix2d& S, double chance_density) const;
   /// The measurement of a landmark, which is made active. `sighting`: the observation, which
   /// becomes what it is for the landmark's diameter and the lasting error of its sightings.

@@ -78,5 +78,64 @@ TEST(ScanAssociator, TakesTheNearestOfEachWhenAsked) {
   EXPECT_NE(slots[1], 1);
 }
 
+/// A plantation: 20 rows of 20 trees, 1.5 m apart, around a vehicle in its middle.
+struct Plantation {
+  /// `shared_m`, `own_m`: deviations of an error that vehicle and trees have in common, and of the
+  /// vehicle's own.
+  Plantation(double shared_m, double own_m) : filter(Eigen::VectorXd::Zero(5), Matrix::Zero(5, 5)) {
+    Matrix P = 1e-6 * Matrix::Identity(5, 5);
+    P.topLeftCorner<2, 2>().diagonal().array() += shared_m * shared_m;
+    filter = CompressedEkf(Eigen::VectorXd::Zero(5), P);
+    Matrix shift = Matrix::Zero(2, 5);
+    shift.leftCols<2>().setIdentity();
+    for (int k = 0; k < 400; ++k) {
+      RegisteredLandmark tree;
+      tree.position = 1.5 * Vector2d(k % 20 - 9.5, k / 20 - 9.5);
+      tree.slot = filter.append(tree.position, shift, 1e-4 * Eigen::Matrix2d::Identity());
+      tree.id = tree.slot;
+      tree.type = LandmarkType::kTrunk;
+      tree.deviation_m = std::hypot(shared_m, 0.01) * std::sqrt(2.0);
+      registry.add(tree);
+    }
+    filter.globalUpdate();
+    more = Matrix::Zero(5, 5);
+    more.topLeftCorner<2, 2>().diagonal().setConstant(own_m * own_m);
+  }
+
+  ScanAssociation associate(const std::vector<int>& trees) {
+    ObservationSet set;
+    for (const int k : trees) {
+      const Vector2d place = registry.bySlot(k).position;
+      Observation observation;
+      observation.range_m = place.norm();
+      observation.bearing_rad = std::atan2(place.y(), place.x());
+      observation.covariance = Vector2d(1e-3, 1e-5).asDiagonal();
+      observation.type = LandmarkType::kTrunk;
+      set.observations.push_back(observation);
+    }
+    const VehicleMatrix vehicle_only = more;
+    return ScanAssociator(AssociationConfig{})
+        .associate(set, SensorPlacement{}, registry, filter, &vehicle_only);
+  }
+
+  using Matrix = Eigen::MatrixXd;
+  CompressedEkf filter;
+  LandmarkRegistry registry;
+  Matrix more;
+};
+
+TEST(ScanAssociator, LooksAtTheNearestOfVeryManyLandmarks) {
+  Plantation plantation(0.0, 10.0);
+  plantation.associate({10});
+  EXPECT_GE(plantation.filter.activeCount(), 5U);
+  EXPECT_LE(plantation.filter.activeCount(), 64U);
+}
+
+TEST(ScanAssociator, KnowsItsPlaceAmongVeryManyLandmarksWhoseErrorsItShares) {
+  Plantation plantation(10.0, 0.0);
+  const std::vector<int> trees{10, 52, 175, 230};
+  EXPECT_EQ(plantation.associate(trees).slots, trees);
+}
+
 }  // namespace
 }  // namespace hymm::core
