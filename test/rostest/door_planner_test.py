@@ -19,6 +19,8 @@ from nav_msgs.srv import GetPlan
 from rosgraph_msgs.msg import Log
 from visualization_msgs.msg import MarkerArray
 
+from waiting import wait_for_links
+
 WAIT_S = 60.0  # only a node that is broken needs it
 EDGE_M = 12.0
 CELLS = 60
@@ -285,6 +287,7 @@ class DoorPlannerTest(unittest.TestCase):
     def test_9_z_ltrs_that_cannot_be_used_are_counted_and_told_once(self):
         told = []
         rospy.Subscriber("/rosout", Log, lambda log: told.append(log.msg) if "No path goes" in log.msg else None)
+        wait_for_links(("/door_planner", rospy.get_name(), "/rosout"))
         message = ltr_map()
         for count in (1, 2):
             message.ltrs[count].alpha_cells = message.ltrs[count].beta_cells = 1 << 20

@@ -8,7 +8,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hymm.msg import FilterHealth, FilterPose
 from rosgraph_msgs.msg import Clock
 
-from waiting import wait_for
+from waiting import wait_for, wait_for_links
 
 TOLD = "use_sim_time is true, but there is no /clock"
 
@@ -21,8 +21,7 @@ class StoppedClock(unittest.TestCase):
         self.pose = rospy.Publisher("cekf/pose", FilterPose, queue_size=100)
         self.health = rospy.Publisher("cekf/health", FilterHealth, queue_size=100)
         self.clock = rospy.Publisher("/clock", Clock, queue_size=100)
-        publishers = (self.pose, self.health, self.clock)
-        wait_for(lambda: all(publisher.get_num_connections() > 0 for publisher in publishers), "the supervisor")
+        wait_for_links((rospy.get_name(), "/supervisor", "/cekf/pose", "/cekf/health", "/clock"))
 
     def take(self, message):
         for status in message.status:
