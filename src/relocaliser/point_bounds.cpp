@@ -66,6 +66,12 @@ PointBounds::PointBounds(const std::vector<LocalLandmark>& landmarks,
   for (const LocalLandmark& landmark : landmarks) box_.extend(landmark.position);
 }
 
+double PointBounds::greatest(std::size_t deviation) const {
+  double sum = 0.0;
+  for (const DensityKernel& kernel : kernels_[deviation]) sum += kernel.peak;
+  return std::log1p(sum);
+}
+
 PointBounds::Tables PointBounds::tables(double radius_m) const {
   Tables tables;
   const Eigen::AlignedBox2d box = widened(radius_m * (1.0 + kCellShare));
@@ -74,7 +80,7 @@ PointBounds::Tables PointBounds::tables(double radius_m) const {
   tables.raster = Raster(box, cell_m);
   // A place is within half of the diagonal of its cell's centre.
   tables.widened_m = radius_m + cell_m * std::sqrt(0.5);
-  tables.values.resize(kernels_.size());
+  tables.values.resize(kernels_.size() + 1);
   return tables;
 }
 
@@ -83,18 +89,28 @@ std::optional<std::size_t> PointBounds::fill(Tables& tables) const {
   const std::size_t cells = tables.raster.size();
   const std::size_t landmarks = kernels_.empty() ? 0 : kernels_.front().size();
   const std::size_t steps = landmarks + (cells + kCellsAtOnce - 1) / kCellsAtOnce;
-  if (tables.steps >= steps * tables.values.size()) return std::nullopt;
+  const std::size_t all = tables.values.empty() ? 0 : steps * kernels_.size();
+  if (tables.steps >= all) return std::nullopt;
   const std::size_t deviation = tables.steps / steps, step = tables.steps % steps;
   ++tables.steps;
   std::vector<float>& table = tables.values[deviation];
   if (step == 0) table.assign(cells, 0.0F);
+  if (tables.steps == 1) tables.values.back().assign(cells, 0.0F);
   if (step < landmarks) return enter(kernels_[deviation][step], tables, table);
   const std::size_t first = (step - landmarks) * kCellsAtOnce;
   const std::size_t end = std::min(cells, first + kCellsAtOnce);
-  for (std::size_t i = first; i < end; ++i) {
-    table[i] = table[i] == 0.0F ? 0.0F : std::log1p(table[i]);
-  }
+  finishCells(tables, deviation, first, end);
   return end - first;
+}
+
+void PointBounds::finishCells(Tables& tables, std::size_t deviation, std::size_t first,
+                              std::size_t end) {
+  std::vector<float>&table = tables.values[deviation], &of_any = tables.values.back();
+  for (std::size_t i = first; i < end; ++i) {
+    if (table[i] == 0.0F) continue;
+    table[i] = std::log1p(table[i]);
+    of_any[i] = std::max(of_any[i], table[i]);
+  }
 }
 
 std::size_t PointBounds::enter(const DensityKernel& kernel, const Tables& tables,

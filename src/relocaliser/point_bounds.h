@@ -81,12 +81,15 @@ class PointBounds {
   const Eigen::AlignedBox2d& landmarkBox() const { return box_; }
   double reach_m() const { return reach_m_; }
 
-  /// A table for each deviation, for boxes in which points move by up to `radius_m`; empty if it
-  /// would need cells larger than that.
+  /// For points of the deviation of that number, anywhere.
+  double greatest(std::size_t deviation) const;
+
+  /// A table for each deviation, and then one for any of them, for boxes in which points move by up
+  /// to `radius_m`; empty if they would need cells larger than that.
   struct Tables {
     Raster raster;
     double widened_m = 0.0;                  ///< the radius around a cell's centre
-    std::vector<std::vector<float>> values;  ///< by deviation
+    std::vector<std::vector<float>> values;  ///< by deviation; the last: the greatest of them
     std::size_t steps = 0;                   ///< done by fill()
   };
   /// Still to be filled.
@@ -101,6 +104,8 @@ class PointBounds {
   double near(std::size_t deviation, const Eigen::Vector2d& place, double radius_m) const;
 
  private:
+  static void finishCells(Tables& tables, std::size_t deviation, std::size_t first,
+                          std::size_t end);
   std::size_t enter(const DensityKernel& kernel, const Tables& tables,
                     std::vector<float>& table) const;
   /// Where landmarks have an effect.

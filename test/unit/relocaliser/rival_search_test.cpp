@@ -169,6 +169,16 @@ TEST(RivalSearch, SaysSoWhenItsBoundsAreUsedUp) {
   EXPECT_EQ(ask(landmarks, points, needed, std::nullopt, 1000), RivalAnswer::Kind::kUndecided);
 }
 
+// As many landmarks as a local map takes, seen ten times, a fifth of the points being clutter.
+TEST(RivalSearch, DecidesAboutAHundredLandmarksWithinItsBounds) {
+  RandomGenerator generator(1);
+  const Landmarks landmarks = strewn(generator, 100);
+  const auto points = seen(landmarks, generator, 470, 0.2);
+  const double needed = likelihoodAt({}, landmarks, points) - kMargin;
+  const auto most_bounds = static_cast<std::size_t>(RelocaliserConfig().rival_bounds);
+  EXPECT_EQ(ask(landmarks, points, needed, std::nullopt, most_bounds), RivalAnswer::Kind::kNoRival);
+}
+
 TEST(RivalSearch, AnswersTheSameInPiecesOfAnySize) {
   RandomGenerator generator(3);
   const Landmarks one = strewn(generator, 12), two = withCopy(one, generator, 0.0);
