@@ -21,8 +21,8 @@ constexpr double kLeafShare = 1.0 / 32.0;
 // and are computed.
 constexpr double kLeastTabled_m = 0.5;
 
-// Steps that a cell takes of a table that a landmark is entered into.
-constexpr std::size_t kStepsOfCell = 2;
+// Steps that a cell takes of a table that a landmark is entered into: an exponential function.
+constexpr std::size_t kStepsOfCell = 5;
 
 }  // namespace
 
