@@ -169,7 +169,7 @@ void GpsConfig::describe(ConfigSchema& schema) {
 
 void CekfSlamConfig::describe(ConfigSchema& schema) {
   schema.text("motion_input", motion_input,
-              "what moves the filter: an Ackermann vehicle's encoders, or the twist of odometry",
+              "what moves the filter: an Ackermann vehicle's encoders, or odometry",
               {"dead_reckoning", "odom"});
   schema.text("observation_input", observation_input,
               "laser scans, clouds of points of a 3D sensor, or landmarks that the robot detects "

@@ -20,6 +20,7 @@ namespace {
 constexpr std::uint32_t kQueue = 10000;
 constexpr auto kPatience = std::chrono::milliseconds(20);
 constexpr double kHeartbeat_s = 0.2;
+constexpr double kMountingWait_s = 5.0;  // tf_static comes within moments, or not at all
 constexpr std::size_t kMostUnpaired = 1000;
 constexpr std::size_t kMostParticlesShown = 2000;
 
@@ -40,6 +41,8 @@ RelocaliserNode::RelocaliserNode(const core::RelocaliserConfig& config,
                                  const core::CekfSlamConfig& filter,
                                  const core::VehicleConfig& vehicle)
     : map_frame_(vehicle.map_frame),
+      transforms_(tf_, causes_),
+      mountings_(tf_, vehicle.base_frame, std::nullopt, kMountingWait_s),
       merger_(filter.merger),
       link_(handle_, vehicle.map_frame),
       relocalisation_(config, vehicle, link_) {
@@ -93,7 +96,9 @@ void RelocaliserNode::takeDeadReckoning(const DeadReckoning& message) {
 }
 
 void RelocaliserNode::takeOdometry(const nav_msgs::Odometry& message) {
-  if (const auto input = odometry_.read(message, causes_)) takeMotion(*input);
+  // What comes before tf tells where the frame stands is not needed: nothing is searched yet.
+  const OdometryReader::Answer answer = odometry_.read(message, mountings_, steadyNow(), causes_);
+  if (answer.input) takeMotion(*answer.input);
 }
 
 void RelocaliserNode::takeMotion(const core::MotionInput& input) {

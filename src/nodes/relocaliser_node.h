@@ -21,6 +21,7 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 #include <std_srvs/Empty.h>
+#include <tf2_ros/buffer.h>
 
 #include "cekf/cekf_slam_config.h"
 #include "pipeline/landmark_mirror.h"
@@ -29,7 +30,9 @@
 #include "ros/cause_log.h"
 #include "ros/filter_service_link.h"
 #include "ros/odometry_reader.h"
+#include "ros/sensor_mountings.h"
 #include "ros/traffic_meter.h"
+#include "ros/transform_reader.h"
 #include "ros/wish_numbers.h"
 #include "vehicle/vehicle_config.h"
 
@@ -76,6 +79,9 @@ class RelocaliserNode {
   std::string map_frame_;
   ros::NodeHandle handle_;
   CauseLog causes_;
+  tf2_ros::Buffer tf_;
+  TransformReader transforms_;
+  SensorMountings mountings_;
   OdometryReader odometry_;
   TrafficMeter traffic_;
 

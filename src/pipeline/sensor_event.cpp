@@ -16,6 +16,7 @@ struct TimeVisitor {
 double timeOf(const SensorEvent& event) { return std::visit(TimeVisitor{}, event); }
 
 double endOf(const SensorEvent& event) {
+  if (const auto* input = std::get_if<MotionInput>(&event)) return endOf(*input);
   const auto* scan = std::get_if<ScanEvent>(&event);
   return timeOf(event) + (scan != nullptr ? scan->scan.sweep_s() : 0.0);
 }

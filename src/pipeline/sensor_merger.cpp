@@ -25,6 +25,16 @@ void insertByTime(Queue& queue, Pending pending) {
 
 void delay(MotionInput& input, double delay_s) {
   std::visit([&](auto& told) { told.time_s += delay_s; }, input);
+  auto* const twist = std::get_if<TwistInput>(&input);
+  if (twist != nullptr && twist->until_s) *twist->until_s += delay_s;
+}
+
+bool isMean(const SensorEvent& event) { return endOf(event) > timeOf(event); }
+
+/// Leaves of a mean what is not over at `time_s`.
+void cutOff(SensorEvent& event, double time_s) {
+  auto& twist = std::get<TwistInput>(std::get<MotionInput>(event));
+  twist.time_s = std::max(twist.time_s, time_s);
 }
 
 bool isFix(const SensorEvent& event) { return std::holds_alternative<GpsFix>(event); }
@@ -57,8 +67,8 @@ void SensorMerger::push(SensorEvent event, double now_s) {
     motion_arrival_s_ = now_s;
     ++motion_arrived_;
   }
-  const double time_s = timeOf(event);
   const double end_s = endOf(event);
+  const double time_s = motion != nullptr ? end_s : timeOf(event);
   take({std::move(event), time_s, end_s, now_s, motion_arrived_});
 }
 
@@ -196,8 +206,10 @@ void SensorMerger::beginAnew() {
   releaseAll();
   forgetTimes();
   ++counts_.clock_resets;
-  double first_s = first_events.front().time_s;
-  for (const Pending& pending : first_events) first_s = std::min(first_s, pending.time_s);
+  double first_s = timeOf(first_events.front().event);
+  for (const Pending& pending : first_events) {
+    first_s = std::min(first_s, timeOf(pending.event));
+  }
   ready_.emplace_back(ClockReset{first_s});
   for (Pending& pending : first_events) believe(std::move(pending));
 }
@@ -219,10 +231,12 @@ void SensorMerger::drop(const std::vector<Pending>& all) {
 // --- In which order to release them -----------------------------------------------------------
 
 void SensorMerger::queue(Pending pending) {
-  if (pending.time_s < released_s_) {
+  const bool is_mean = isMotion(pending) && isMean(pending.event);
+  if (pending.time_s < released_s_ || (is_mean && pending.time_s == released_s_)) {
     drop(pending);
     return;
   }
+  if (is_mean) cutOff(pending.event, released_s_);
   std::deque<Pending>& queue = isMotion(pending) ? motion_ : scans_;
   insertByTime(queue, std::move(pending));
   boundScans();
@@ -248,7 +262,7 @@ std::vector<SensorEvent> SensorMerger::popReady(double now_s) {
     releaseFirstScan();
   }
   if (motion_.size() > kMaxPendingMotion) {
-    double time_s = motion_[motion_.size() - kMaxPendingMotion].time_s;
+    double time_s = timeOf(motion_[motion_.size() - kMaxPendingMotion].event);
     if (!scans_.empty()) time_s = std::min(time_s, scans_.front().time_s);
     releaseFixesUpTo(time_s);
     releaseMotionUpTo(time_s);
@@ -283,6 +297,9 @@ void SensorMerger::releaseFirstScan() {
   if (motion_clock_.newest_s < first.end_s) ++counts_.without_motion;
   releaseFixesUpTo(first.time_s);
   releaseMotionUpTo(first.time_s);
+  // A mean that begins with the scan may have come or not; what a scan without length is told must
+  // not depend on it. One that takes its time has waited for it.
+  if (first.end_s > first.time_s) releaseMeanFrom(first.time_s);
   released_s_ = std::max(released_s_, first.time_s);
   auto* scan = std::get_if<ScanEvent>(&first.event);
   if (scan != nullptr && first.end_s > first.time_s) tellMotionMeanwhile(*scan);
@@ -292,8 +309,8 @@ void SensorMerger::releaseFirstScan() {
 void SensorMerger::tellMotionMeanwhile(ScanEvent& scan) const {
   const double end_s = scan.scan.time_s + scan.scan.sweep_s();
   for (const Pending& pending : motion_) {
-    if (pending.time_s > end_s) break;
     const auto& input = std::get<MotionInput>(pending.event);
+    if (timeOf(input) > end_s) break;
     if (isFinite(input)) scan.motion_meanwhile.push_back(input);
   }
 }
@@ -306,12 +323,23 @@ void SensorMerger::releaseFixesUpTo(double time_s) {
   }
 }
 
+/// Inputs up to the time, and means that begin before it.
 void SensorMerger::releaseMotionUpTo(double time_s) {
-  while (!motion_.empty() && motion_.front().time_s <= time_s) {
-    released_s_ = std::max(released_s_, motion_.front().time_s);
-    ready_.push_back(std::move(motion_.front().event));
-    motion_.pop_front();
+  while (!motion_.empty()) {
+    const SensorEvent& first = motion_.front().event;
+    if (timeOf(first) > time_s || (isMean(first) && timeOf(first) == time_s)) break;
+    releaseFirstMotion();
   }
+}
+
+void SensorMerger::releaseMeanFrom(double time_s) {
+  if (!motion_.empty() && timeOf(motion_.front().event) == time_s) releaseFirstMotion();
+}
+
+void SensorMerger::releaseFirstMotion() {
+  released_s_ = std::max(released_s_, timeOf(motion_.front().event));
+  ready_.push_back(std::move(motion_.front().event));
+  motion_.pop_front();
 }
 
 /// Fixes beyond the end of the drive cannot be used: nothing tells where the vehicle was.

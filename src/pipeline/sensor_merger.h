@@ -25,7 +25,8 @@ struct SensorMergerConfig {
 /// released, behind the motion and the GPS fixes up to its stamp, as soon as motion at or past its
 /// end (a scan's last beam; else the stamp) has come, or when it has waited long enough. A scan
 /// that takes its time is told the motion meanwhile. Motion inputs get the stamps at which the
-/// vehicle does what they say. Events older than what was released are dropped and counted.
+/// vehicle does what they say. Events older than what was released are dropped and counted; of a
+/// mean over an interval (TwistInput::until_s) the part counts that is not over.
 ///
 /// Motion and scans have a clock each. An event farther from its clock than clock_jump_s is held,
 /// not believed, until it is clear what it is:
@@ -70,7 +71,8 @@ class SensorMerger {
 
   struct Pending {
     SensorEvent event;
-    double time_s, end_s;
+    double time_s;  ///< its stamp; of motion told as a mean, the end
+    double end_s;
     double arrival_s;
     std::size_t motion_before;  ///< motion inputs that arrived earlier
   };
@@ -111,6 +113,8 @@ class SensorMerger {
   void releaseFirstScan();
   void releaseFixesUpTo(double time_s);
   void releaseMotionUpTo(double time_s);
+  void releaseMeanFrom(double time_s);
+  void releaseFirstMotion();
   void tellMotionMeanwhile(ScanEvent& scan) const;
   void releaseAll();
   void forgetTimes();

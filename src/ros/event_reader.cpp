@@ -42,7 +42,7 @@ EventReader::Answer EventReader::read(const SensorMessage& message, double stead
         if constexpr (std::is_same_v<Message, DeadReckoning>) {
           return {core::MotionInput(fromMessage(*pointer)), false};
         } else if constexpr (std::is_same_v<Message, nav_msgs::Odometry>) {
-          return {readOdometry(*pointer), false};
+          return readOdometry(*pointer, steady_now_s);
         } else if constexpr (std::is_same_v<Message, sensor_msgs::NavSatFix>) {
           return {readGps(*pointer), false};
         } else if constexpr (std::is_same_v<Message, sensor_msgs::PointCloud2>) {
@@ -105,10 +105,11 @@ EventReader::Answer EventReader::readCloud(const sensor_msgs::PointCloud2& messa
   return {placed(fromMessage(*cloud.scan), *mounting.T_base_sensor), false};
 }
 
-std::optional<core::SensorEvent> EventReader::readOdometry(const nav_msgs::Odometry& message) {
-  const std::optional<core::TwistInput> input = odometry_.read(message, causes_);
-  if (!input) return std::nullopt;
-  return core::SensorEvent(core::MotionInput(*input));
+EventReader::Answer EventReader::readOdometry(const nav_msgs::Odometry& message,
+                                              double steady_now_s) {
+  const OdometryReader::Answer answer = odometry_.read(message, mountings_, steady_now_s, causes_);
+  if (!answer.input) return {std::nullopt, answer.waiting};
+  return {core::SensorEvent(core::MotionInput(*answer.input)), false};
 }
 
 std::optional<core::SensorEvent> EventReader::readGps(const sensor_msgs::NavSatFix& message) {

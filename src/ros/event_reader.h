@@ -32,7 +32,7 @@ class EventReader {
   void reset();
 
  private:
-  std::optional<core::SensorEvent> readOdometry(const nav_msgs::Odometry& message);
+  Answer readOdometry(const nav_msgs::Odometry& message, double steady_now_s);
   std::optional<core::SensorEvent> readGps(const sensor_msgs::NavSatFix& message);
   void checkScan(const sensor_msgs::LaserScan& message, core::LaserScan& scan);
   template <class Message>

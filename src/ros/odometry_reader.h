@@ -4,34 +4,31 @@
 
 #include <nav_msgs/Odometry.h>
 
-#include "common/pose2.h"
 #include "ros/cause_log.h"
+#include "ros/odometry_motion.h"
+#include "ros/sensor_mountings.h"
 #include "vehicle/motion_input.h"
 
 namespace hymm {
 
-/// Odometry messages to twists. Sources that fill in poses only, and leave the twist zero, would
-/// make a vehicle that drives look as if it stood: until a twist has been told, the velocity
-/// between two poses counts, from the earlier one's stamp on.
+/// Odometry messages to the motion of base_link. They tell of their child_frame_id, which may be a
+/// camera's or an inertial unit's; where it stands on the vehicle tf knows.
 class OdometryReader {
  public:
-  /// Nothing where there is no earlier pose yet, or none that could have been driven from. That
-  /// poses are used is counted among `causes`.
-  std::optional<core::TwistInput> read(const nav_msgs::Odometry& message, CauseLog& causes);
-
-  /// Another recording begins.
-  void reset();
-
- private:
-  struct StampedPose {
-    double time_s;
-    core::Pose2 T_odom_base;
+  struct Answer {
+    std::optional<core::TwistInput> input;
+    bool waiting = false;  ///< tf may yet tell where the frame stands: ask again with this message
   };
 
-  std::optional<core::TwistInput> readPose(const nav_msgs::Odometry& message, CauseLog& causes);
+  /// What could not be used as it is, is counted among `causes`.
+  Answer read(const nav_msgs::Odometry& message, SensorMountings& mountings, double steady_now_s,
+              CauseLog& causes);
 
-  bool has_twist_ = false;
-  std::optional<StampedPose> last_;
+  /// Another recording begins.
+  void reset() { motion_.reset(); }
+
+ private:
+  OdometryMotion motion_;
 };
 
 }  // namespace hymm

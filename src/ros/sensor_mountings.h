@@ -40,6 +40,9 @@ class SensorMountings {
   /// so that only tf can tell.
   Answer findInSpace(const std::string& sensor_frame, double steady_now_s);
 
+  /// As the vehicle's description has it.
+  const std::string& baseFrame() const { return base_frame_; }
+
   /// Forgets what tf said: another recording begins.
   void reset();
 

@@ -24,12 +24,21 @@ struct TwistInput {
   /// Noise of (forward, lateral, yaw rate), (unit)^2 * s, where the source states it; it then takes
   /// the place of MotionNoise. Over a step of T seconds the velocity's covariance is density / T.
   std::optional<Eigen::Matrix3d> density = std::nullopt;
+  /// Where it was measured over the time from `time_s` to here, as by two poses; else it is what
+  /// the vehicle does from `time_s` on. Whoever has nothing newer holds either.
+  std::optional<double> until_s = std::nullopt;
 };
 
 using MotionInput = std::variant<AckermannInput, TwistInput>;
 
 inline double timeOf(const MotionInput& input) {
   return std::visit([](const auto& value) { return value.time_s; }, input);
+}
+
+/// Up to when the input was measured: its time, but of a mean over an interval.
+inline double endOf(const MotionInput& input) {
+  const auto* twist = std::get_if<TwistInput>(&input);
+  return twist != nullptr && twist->until_s ? *twist->until_s : timeOf(input);
 }
 
 inline bool isFinite(const MotionInput& input) {
@@ -40,7 +49,7 @@ inline bool isFinite(const MotionInput& input) {
     bool operator()(const TwistInput& i) const {
       return std::isfinite(i.time_s) && std::isfinite(i.forward_mps) &&
              std::isfinite(i.lateral_mps) && std::isfinite(i.yaw_rate_radps) &&
-             (!i.density || i.density->allFinite());
+             (!i.density || i.density->allFinite()) && (!i.until_s || std::isfinite(*i.until_s));
     }
   };
   return std::visit(Check{}, input);

@@ -116,6 +116,75 @@ TEST(SensorMerger, DoesNotTakeALateTopicForANewRecording) {
   EXPECT_EQ(merger.counts().clock_resets, 0U);
 }
 
+/// What was measured from `begin_s` to `end_s`, as by two poses.
+SensorEvent motionBetween(double begin_s, double end_s) {
+  return MotionInput{TwistInput{begin_s, 1.0, 0.0, 0.0, std::nullopt, end_s}};
+}
+
+TEST(SensorMerger, AMeanReleasesAScanAtItsEnd) {
+  SensorMerger merger({});
+  merger.push(motionBetween(1.0, 1.1));
+  merger.push(detections(1.15));
+  EXPECT_THAT(signature(merger.popReady()), IsEmpty());
+  merger.push(motionBetween(1.1, 1.2));
+  EXPECT_THAT(signature(merger.popReady()), ElementsAre(1.0, 1.1, -1.15));
+  EXPECT_EQ(merger.counts().without_motion, 0U);
+}
+
+TEST(SensorMerger, AMeanThatBeginsWithAScanComesBehindItWhicheverArrivesFirst) {
+  for (const bool scan_is_late : {false, true}) {
+    SensorMerger merger({});
+    merger.push(motionBetween(1.0, 1.1));
+    if (!scan_is_late) merger.push(detections(1.1));
+    std::vector<SensorEvent> events = merger.popReady();
+    merger.push(motionBetween(1.1, 1.2));
+    if (scan_is_late) merger.push(detections(1.1));
+    for (SensorEvent& event : merger.flush()) events.push_back(std::move(event));
+    EXPECT_THAT(signature(events), ElementsAre(1.0, -1.1, 1.1)) << scan_is_late;
+  }
+}
+
+TEST(SensorMerger, OfAMeanThatComesTooLateTheRestCounts) {
+  SensorMerger merger({});
+  merger.push(motionBetween(1.0, 1.2), 10.0);
+  merger.push(detections(1.3), 10.0);
+  EXPECT_THAT(signature(merger.popReady(10.2)), ElementsAre(1.0, -1.3));
+  merger.push(motionBetween(1.2, 1.4), 10.3);
+  merger.push(detections(1.35), 10.3);
+  EXPECT_THAT(signature(merger.popReady(10.3)), ElementsAre(1.3, -1.35));
+  EXPECT_EQ(merger.counts().out_of_order, 0U);
+}
+
+TEST(SensorMerger, AMeanThatIsOverIsDroppedAndCounted) {
+  SensorMerger merger({});
+  merger.push(motionBetween(1.0, 1.1), 10.0);
+  merger.push(detections(1.2), 10.0);
+  EXPECT_THAT(signature(merger.popReady(10.2)), ElementsAre(1.0, -1.2));
+  merger.push(motionBetween(1.1, 1.2), 10.3);
+  merger.push(motionBetween(1.2, 1.3), 10.3);
+  EXPECT_THAT(signature(merger.flush()), ElementsAre(1.2));
+  EXPECT_EQ(merger.counts().out_of_order, 1U);
+}
+
+TEST(SensorMerger, AMeanUpToAStampThatNobodyConfirmsIsStray) {
+  SensorMerger merger({});
+  merger.push(motionBetween(1.0, 1.1));
+  merger.push(motionBetween(1.1, 1000.0));
+  merger.push(motionBetween(1.2, 1.3));
+  merger.push(detections(1.25));
+  EXPECT_THAT(signature(merger.popReady()), ElementsAre(1.0, 1.2, -1.25));
+  EXPECT_EQ(merger.counts().out_of_order, 1U);
+}
+
+TEST(SensorMerger, MeansAreDelayedAtBothEnds) {
+  SensorMergerConfig config;
+  config.motion_delay_s = 0.2;
+  SensorMerger merger(config);
+  merger.push(motionBetween(1.0, 1.1));
+  merger.push(detections(1.25));
+  EXPECT_THAT(signature(merger.popReady()), ElementsAre(1.2, -1.25));
+}
+
 TEST(SensorMerger, EmptiesItselfAtTheEnd) {
   SensorMerger merger({});
   merger.push(motion(1.0));
