@@ -59,6 +59,7 @@ void OfflineRun::processReleased(const SensorEvent& event) {
     results_.addGps(*fix);
   }
   for (const auto& stage : stages_) stage->takeEvent(event);
+  if (std::holds_alternative<MotionInput>(event)) ++motion_inputs_;
   const std::optional<ScanOutcome> outcome = filter_.process(event);
   if (!outcome) return;
   if (outcome->accepted) {

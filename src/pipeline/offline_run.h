@@ -53,6 +53,12 @@ class OfflineRun {
   /// Scans that the filter took so far.
   std::size_t scans() const { return filter_.counts().scans; }
 
+  /// Motion inputs that moved the filter.
+  std::size_t motionInputs() const {
+    const std::size_t refused = filter_.counts().refused_motion;
+    return motion_inputs_ > refused ? motion_inputs_ - refused : 0;
+  }
+
   /// Landmarks of the map that the run ended with.
   LandmarkMap landmarkMap() { return filter_.landmarkMap(0.0); }
 
@@ -84,6 +90,7 @@ class OfflineRun {
   const SupervisorStage* supervisor_;  ///< one of the stages, if it runs
   std::size_t map_corrections_ = 0;    ///< up to the last scan
   std::size_t scans_in_ = 0;
+  std::size_t motion_inputs_ = 0;  ///< that the filter was given
   std::map<std::string, std::size_t> incidents_;
 };
 

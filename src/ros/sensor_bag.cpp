@@ -270,6 +270,15 @@ void SensorBag::readTransforms(tf2::BufferCore& tf, const std::string& base_fram
   });
 }
 
+void SensorBag::compareStamp(const BagMessage& message, double recorded_s) {
+  const auto* sensor = std::get_if<SensorMessage>(&message);
+  if (sensor == nullptr || std::holds_alternative<sensor_msgs::NavSatFix::ConstPtr>(*sensor))
+    return;
+  const auto source =
+      isScan(*sensor) ? StampComparison::Source::kScan : StampComparison::Source::kMotion;
+  stamps_.add(source, headerOf(*sensor).stamp.toSec(), recorded_s);
+}
+
 void SensorBag::read(const std::function<void(const BagMessage&)>& take,
                      const std::function<void(double)>& progress) {
   std::vector<std::string> names;
@@ -282,7 +291,9 @@ void SensorBag::read(const std::function<void(const BagMessage&)>& take,
       if (seen++ % kMessagesPerProgress == 0) progress(static_cast<double>(seen) / total);
       std::optional<BagMessage> message;
       skippingUndecodable(instance, [&] { message = chosen_.at(instance.getTopic())(instance); });
-      if (message) take(*message);
+      if (!message) continue;
+      compareStamp(*message, instance.getTime().toSec());
+      take(*message);
     }
     progress(1.0);
   });

@@ -11,6 +11,7 @@
 #include <tf2/buffer_core.h>
 
 #include "ros/sensor_queue.h"
+#include "ros/stamp_comparison.h"
 
 namespace hymm {
 
@@ -52,6 +53,9 @@ class SensorBag {
   /// What was left out, skipped and refused so far, and how often.
   const std::map<std::string, std::size_t>& incidents() const { return incidents_; }
 
+  /// By what clocks motion and scans were stamped, of what was read.
+  const StampComparison& stamps() const { return stamps_; }
+
  private:
   using Decoder = BagMessage (*)(const rosbag::MessageInstance&);
   struct Topic {
@@ -61,6 +65,7 @@ class SensorBag {
 
   template <class Decode>
   void skippingUndecodable(const rosbag::MessageInstance& instance, const Decode& decode);
+  void compareStamp(const BagMessage& message, double recorded_s);
   void listTopics();
   void choose(const std::string& name, const BagSelection& selection, bool required);
   void addTransforms(const rosbag::MessageInstance& instance, bool are_fixed, tf2::BufferCore& tf);
@@ -73,6 +78,7 @@ class SensorBag {
   std::map<std::string, Decoder> chosen_;  ///< by the bag's name of the topic
   std::vector<std::string> observations_;  ///< topics among these
   std::map<std::string, std::size_t> incidents_;
+  StampComparison stamps_;
 };
 
 }  // namespace hymm

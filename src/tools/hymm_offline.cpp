@@ -137,6 +137,11 @@ void runOffline(const Options& options) {
   notes.insert(notes.end(), run_notes.begin(), run_notes.end());
   for (const std::string& note : notes) std::cerr << note << '\n';
   if (offline.scans() == 0) throw core::InputError("No scan could be used; nothing was estimated.");
+  if (offline.motionInputs() == 0) {
+    throw core::InputError(
+        "No motion input could be used, so that every scan was taken at one place; nothing was "
+        "estimated. What is wrong with the messages stands above.");
+  }
 
   if (log) log->finish();
   offline.writeFiles(options.output);

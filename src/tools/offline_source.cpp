@@ -119,10 +119,15 @@ std::vector<std::string> runBag(const std::string& path,
   bag.read(take, progress);
   run.finish();
 
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = bag.stamps().problems();
   for (const auto& [what, count] : bag.incidents()) notes.push_back(counted(what, count));
   for (const auto& [cause, count] : causes.counts()) notes.push_back(counted(cause, count));
   addIncidents(run, notes);
+  if (run.scans() > 0 && bag.stamps().areApart()) {
+    throw core::InputError(path +
+                           ": motion and scans are not of one time; nothing was estimated. " +
+                           bag.stamps().problems().back());
+  }
   return notes;
 }
 

@@ -109,6 +109,23 @@ TEST_F(BadBag, LaserThatStandsNobodyKnowsWhere) {
   EXPECT_THAT(refusal(test::writeDriveBag(folder_ / "a.bag", drive)), HasSubstr("'laser'"));
 }
 
+TEST_F(BadBag, MotionThatNobodyStamped) {
+  test::Drive drive;
+  drive.motion_has_stamps = false;
+  EXPECT_THAT(refusal(test::writeDriveBag(folder_ / "a.bag", drive)),
+              AllOf(HasSubstr("No motion input could be used"), HasSubstr("no time stamp: 240")));
+}
+
+TEST_F(BadBag, MotionOfAnotherTimeThanTheScans) {
+  for (const double ahead_s : {3600.0, -95.0, 1.7e9}) {
+    test::Drive drive;
+    drive.motion_ahead_s = ahead_s;
+    EXPECT_THAT(refusal(test::writeDriveBag(folder_ / "a.bag", drive)),
+                AllOf(HasSubstr("not of one time"), HasSubstr("Motion is stamped from")))
+        << ahead_s;
+  }
+}
+
 TEST_F(BadBag, ConfigurationsAreRefusedWithAllTheirProblems) {
   const std::string bag = test::writeDriveBag(folder_ / "a.bag", {});
   const std::string config = folder_.write("c.yaml", "vehicle: {length_m: -1, width_m: wide}\n");

@@ -135,6 +135,19 @@ TEST_F(Offline, RunsOnOdometryOnDemand) {
   EXPECT_EQ(summary("results")["scans"].as<int>(), 60);
 }
 
+TEST_F(Offline, TellsOfClocksThatDisagreeByHowMuch) {
+  test::Drive drive;
+  drive.recorded_later_s = 0.05;
+  const std::string bag = test::writeDriveBag(folder_ / "one.bag", drive);
+  const test::ToolRun fine = run(bag, "one");
+  ASSERT_EQ(fine.exit_code, 0) << fine.err;
+  EXPECT_THAT(fine.err, Not(HasSubstr("clocks")));
+  drive.motion_ahead_s = 0.9;
+  const test::ToolRun apart = run(test::writeDriveBag(folder_ / "two.bag", drive), "two");
+  ASSERT_EQ(apart.exit_code, 0) << apart.err;
+  EXPECT_THAT(apart.err, HasSubstr("motion are 0.900 s ahead of those of scans"));
+}
+
 TEST_F(Offline, RunsOnDetectionsOnDemand) {
   test::Drive drive;
   drive.has_scans = false;

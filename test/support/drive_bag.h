@@ -27,7 +27,9 @@ struct Drive {
   bool has_gps = true;
   bool has_tf = true;
   bool has_detections = false;
-  bool has_points = false;          ///< clouds of a lidar in the laser's place: trunks, and ground
+  bool has_points = false;      ///< clouds of a lidar in the laser's place: trunks, and ground
+  double motion_ahead_s = 0.0;  ///< stamps of motion, by a clock of its own
+  bool motion_has_stamps = true;
   double lost_motion_from_s = 0.0;  ///< since the begin; up to the next
   double lost_motion_to_s = 0.0;
   std::function<void(sensor_msgs::LaserScan&, int)> spoil;  ///< changes the scan of an index
@@ -128,8 +130,9 @@ inline void writeDrive(rosbag::Bag& bag, const Drive& drive) {
     const bool is_lost =
         kInput_s * i > drive.lost_motion_from_s && kInput_s * i < drive.lost_motion_to_s;
     if (drive.has_dead_reckoning && !is_lost) {
+      const double told_s = drive.motion_has_stamps ? time_s + drive.motion_ahead_s : 0.0;
       bag.write("/dead_reckoning", recorded,
-                toMessage(core::AckermannInput{time_s, kSpeed_mps, 0.0}, "base_link"));
+                toMessage(core::AckermannInput{told_s, kSpeed_mps, 0.0}, "base_link"));
     }
     if (drive.has_odom) {
       nav_msgs::Odometry odom;
