@@ -38,6 +38,9 @@ struct Nearest {
   Matrix2d independent = Matrix2d::Zero();  ///< covariance of landmark and observation
 };
 
+// A landmark is never told to be known better than this.
+constexpr double kExact_m = 1e-4;
+
 Nearest findNearest(const Vector2d& place, const Matrix2d& of_pose, double deviation_m,
                     const std::vector<LocalLandmark>& landmarks) {
   Nearest nearest;
@@ -103,6 +106,10 @@ Explanation explainScan(const Pose2& T_local_base, const Matrix3d& covariance,
     ++result.explained;
     if (!seen.insert(nearest.landmark->id).second) continue;
     result.information += J.transpose() * nearest.independent.inverse() * J;
+    result.of_points += J.transpose() * J / (point.deviation_m * point.deviation_m);
+    const Matrix2d of_landmark =
+        nearest.landmark->covariance + kExact_m * kExact_m * Matrix2d::Identity();
+    result.of_landmarks += J.transpose() * of_landmark.inverse() * J;
   }
   result.seen.assign(seen.begin(), seen.end());
   const Pose2 T_local_sensor = T_local_base * view.T_base_sensor;

@@ -38,7 +38,9 @@ struct Explanation {
   int explained = 0;        ///< observations near enough to a landmark
   std::vector<int> seen;    ///< ids of the landmarks that explain
   std::vector<int> missed;  ///< of those well within range and field of view that do not
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of the pose, by what is explained
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();   ///< of the pose, by what is explained
+  Eigen::Matrix3d of_points = Eigen::Matrix3d::Zero();     ///< the same, were the landmarks exact
+  Eigen::Matrix3d of_landmarks = Eigen::Matrix3d::Zero();  ///< the same, were the points exact
 
   int landmarks() const { return static_cast<int>(seen.size()); }
 };

@@ -5,9 +5,16 @@
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
 
 namespace hymm::core {
 namespace {
+
+constexpr double kDimensions = 3.0;
+
+// Effective particles by which a covariance is told, at least: where n^(2/3) (n + 1) / (n - 5) is
+// least.
+constexpr double kFewestEffective = 14.0;
 
 // A particle with less weight than this, against the heaviest, belongs to no mode.
 constexpr float kLeastLogWeight = -20.0F;
@@ -95,6 +102,14 @@ FilledBins fillBins(const ParticleSet& particles, const Binning& binning) {
   return bins;
 }
 
+/// The bin itself, and all that it touches, corners included.
+template <class Function>
+void forEachNeighbour(const Bin& bin, Function function) {
+  for (int step = 0; step < 27; ++step) {
+    function(Bin{bin[0] + step % 3 - 1, bin[1] + step / 3 % 3 - 1, bin[2] + step / 9 - 1});
+  }
+}
+
 /// Gives all bins that hang together with `start`, corners included, its mode.
 void spreadMode(FilledBins& bins, const Binning& binning, std::int32_t start, int mode) {
   std::vector<std::int32_t> waiting{start};
@@ -102,39 +117,147 @@ void spreadMode(FilledBins& bins, const Binning& binning, std::int32_t start, in
   while (!waiting.empty()) {
     const Bin bin = bins.contents[static_cast<std::size_t>(waiting.back())].bin;
     waiting.pop_back();
-    for (int step = 0; step < 27; ++step) {
-      const Bin neighbour{bin[0] + step % 3 - 1, bin[1] + step / 3 % 3 - 1, bin[2] + step / 9 - 1};
+    forEachNeighbour(bin, [&](const Bin& neighbour) {
       const auto found = bins.index.find(binning.key(neighbour));
-      if (found == bins.index.end()) continue;
+      if (found == bins.index.end()) return;
       BinContent& content = bins.contents[static_cast<std::size_t>(found->second)];
-      if (content.mode >= 0) continue;
+      if (content.mode >= 0) return;
       content.mode = mode;
       waiting.push_back(found->second);
-    }
+    });
   }
+}
+
+/// By how much n effective samples of a Gaussian have to be spread to tell of the next one: the
+/// covariance of Student's distribution that is left when mean and covariance are unknown.
+double factorOf(double effective_number) {
+  return (effective_number + 1.0) / (effective_number - kDimensions - 2.0);
 }
 
 /// First and second moments of a mode about its first particle.
 struct Moments {
   double weight = 0.0;
+  double squares = 0.0;  ///< of the weights
+  double greatest = 0.0;
+  std::size_t heaviest = 0;  ///< index of the particle of the greatest weight
   Pose2 about;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
 
-  void add(const Pose2& pose, double w) {
+  void add(std::size_t particle, const Pose2& pose, double w) {
+    if (w > greatest) {
+      greatest = w;
+      heaviest = particle;
+    }
     if (weight == 0.0) about = pose;
     Eigen::Vector3d d = pose.vector() - about.vector();
     d[2] = wrapAngle(d[2]);
     weight += w;
+    squares += w * w;
     first += w * d;
     second += w * d * d.transpose();
   }
-  ParticleMode mode(double total) const {
+  ParticleMode asMode(double total) const {
     const Eigen::Vector3d mean = first / weight;
-    return {weight / total, Pose2::fromVector(about.vector() + mean),
-            second / weight - mean * mean.transpose()};
+    ParticleMode mode;
+    mode.share = weight / total;
+    mode.mean = Pose2::fromVector(about.vector() + mean);
+    mode.spread = second / weight - mean * mean.transpose();
+    mode.effective_number = weight * weight / squares;
+    return mode;
   }
 };
+
+/// Particles in the bin of one of them and next to it, whatever their weight: where they stand from
+/// it, and their log weights against the greatest.
+struct Surroundings {
+  std::vector<Eigen::Vector3d> offsets;
+  std::vector<double> log_weights;
+};
+
+/// All particles in the order of their bins, made when a mode first asks: few scans need it.
+class ParticlesByBin {
+ public:
+  ParticlesByBin(const ParticleSet& particles, const Binning& binning)
+      : particles_(particles), binning_(binning) {}
+
+  Surroundings around(std::size_t particle) {
+    if (ordered_.empty()) order();
+    Surroundings result;
+    forEachNeighbour(binning_.binOf(particles_, particle), [&](const Bin& neighbour) {
+      add(binning_.key(neighbour), particles_.pose(particle), result);
+    });
+    const double greatest = *std::max_element(result.log_weights.begin(), result.log_weights.end());
+    for (double& log_weight : result.log_weights) log_weight -= greatest;
+    return result;
+  }
+
+ private:
+  void order() {
+    ordered_.reserve(particles_.size());
+    for (std::size_t i = 0; i < particles_.size(); ++i) {
+      ordered_.emplace_back(binning_.key(binning_.binOf(particles_, i)), i);
+    }
+    std::sort(ordered_.begin(), ordered_.end());
+  }
+  void add(std::uint64_t key, const Pose2& middle, Surroundings& result) const {
+    auto entry = std::lower_bound(ordered_.begin(), ordered_.end(), Entry{key, 0});
+    for (; entry != ordered_.end() && entry->first == key; ++entry) {
+      Eigen::Vector3d offset = particles_.pose(entry->second).vector() - middle.vector();
+      offset[2] = wrapAngle(offset[2]);
+      result.offsets.push_back(offset);
+      result.log_weights.push_back(static_cast<double>(particles_.log_weight[entry->second]));
+    }
+  }
+
+  using Entry = std::pair<std::uint64_t, std::size_t>;
+
+  const ParticleSet& particles_;
+  const Binning& binning_;
+  std::vector<Entry> ordered_;
+};
+
+double effectiveNumber(const std::vector<double>& log_weights, double scale) {
+  double sum = 0.0, squares = 0.0;
+  for (const double log_weight : log_weights) {
+    const double weight = std::exp(scale * log_weight);
+    sum += weight;
+    squares += weight * weight;
+  }
+  return sum * sum / squares;
+}
+
+/// The greatest scale of the log weights, of at most 1, with which enough particles are effective.
+double enoughScale(const std::vector<double>& log_weights) {
+  double exponent = 0.0;  // of 2: weights may be apart by any number of magnitudes
+  while (effectiveNumber(log_weights, std::exp2(exponent)) < kFewestEffective) --exponent;
+  double least = exponent, greatest = std::min(0.0, exponent + 1.0);
+  for (int i = 0; i < 10; ++i) {
+    const double middle = 0.5 * (least + greatest);
+    const bool is_enough = effectiveNumber(log_weights, std::exp2(middle)) >= kFewestEffective;
+    (is_enough ? least : greatest) = middle;
+  }
+  return std::exp2(least);
+}
+
+/// How far the particles about the heaviest one leave open where it should stand. The moment is
+/// about it: if all that weigh less stand to one side, the place is not known to that side.
+Eigen::Matrix3d kernelCovariance(const Surroundings& near, const BinSize& bin) {
+  if (static_cast<double>(near.offsets.size()) <= kFewestEffective) {
+    // Anywhere in a bin or those next to it.
+    const Eigen::Vector3d width = 3.0 * Eigen::Vector3d(bin.length_m, bin.length_m, bin.turn_rad);
+    return (width.cwiseAbs2() / 12.0).asDiagonal();
+  }
+  const double scale = enoughScale(near.log_weights);
+  double sum = 0.0;
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < near.offsets.size(); ++i) {
+    const double weight = std::exp(scale * near.log_weights[i]);
+    sum += weight;
+    second += weight * near.offsets[i] * near.offsets[i].transpose();
+  }
+  return factorOf(effectiveNumber(near.log_weights, scale)) * second / sum;
+}
 
 }  // namespace
 
@@ -152,12 +275,20 @@ std::vector<ParticleMode> computeModes(const ParticleSet& particles, const BinSi
     if (bins.of_particle[i] < 0) continue;
     const double weight = static_cast<double>(particles.weight[i]);
     const int mode = bins.contents[static_cast<std::size_t>(bins.of_particle[i])].mode;
-    moments[static_cast<std::size_t>(mode)].add(particles.pose(i), weight);
+    moments[static_cast<std::size_t>(mode)].add(i, particles.pose(i), weight);
     total += weight;
   }
+  ParticlesByBin by_bin(particles, binning);
   std::vector<ParticleMode> modes;
-  for (const Moments& moment : moments) {
-    if (moment.weight >= least_share * total) modes.push_back(moment.mode(total));
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    if (moments[i].weight < least_share * total) continue;
+    modes.push_back(moments[i].asMode(total));
+    ParticleMode& mode = modes.back();
+    if (mode.effective_number >= kFewestEffective) {
+      mode.covariance = factorOf(mode.effective_number) * mode.spread;
+    } else {
+      mode.covariance = mode.spread + kernelCovariance(by_bin.around(moments[i].heaviest), bin);
+    }
   }
   std::stable_sort(modes.begin(), modes.end(),
                    [](const auto& a, const auto& b) { return a.share > b.share; });

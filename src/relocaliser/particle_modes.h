@@ -20,9 +20,21 @@ struct BinSize {
 struct ParticleMode {
   double share = 0.0;  ///< of all weight
   Pose2 mean;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x [m], y [m], yaw [rad])
+  /// Of (x [m], y [m], yaw [rad]): what can be told from so many effective particles.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< of the weighted particles themselves
+  double effective_number = 0.0;
 };
 
+/// The covariance that is told of a mode of n effective particles is that of where another sample
+/// of the same distribution will be found, as n samples of a Gaussian let it be known: the weighted
+/// moments times (n + 1) / (n - 5) in three dimensions. Where fewer than 14 are effective, that
+/// says little: the weights are narrower than the particles stand apart. There each particle stands
+/// for a kernel, whose covariance is added: that of the particles about the heaviest with log
+/// weights scaled down until 14 are effective. Spread evenly, particles make n grow with the cube
+/// of the width that they are taken from, and this n makes the told width least. It is taken from
+/// the bins about the heaviest alone: what is farther off are other peaks, which the moments hold.
+///
 /// All modes that hold at least `least_share` of the weight, the heaviest first.
 std::vector<ParticleMode> computeModes(const ParticleSet& particles, const BinSize& bin,
                                        double least_share);

@@ -12,19 +12,6 @@ namespace {
 // Modes that hold less weight than this are not told.
 constexpr double kLeastShare = 1e-4;
 
-/// Moves a Gaussian pose along by a step in its own axes.
-PosePrior moved(const PosePrior& prior, const MotionSince& motion) {
-  const Pose2& T = motion.T_begin_end();
-  const Eigen::Matrix2d R = prior.mean.rotation();
-  const Eigen::Vector2d way = R * T.position();
-  Eigen::Matrix3d J = Eigen::Matrix3d::Identity(), turn = J;
-  J(0, 2) = -way.y();
-  J(1, 2) = way.x();
-  turn.topLeftCorner<2, 2>() = R;
-  return {prior.mean * T,
-          J * prior.covariance * J.transpose() + turn * motion.covariance() * turn.transpose()};
-}
-
 Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double yaw_rad) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() = Pose2{0.0, 0.0, yaw_rad}.rotation();
@@ -86,7 +73,8 @@ std::optional<RelocaliserOutcome> Relocaliser::look(const ObservationSet& set) {
   ++counts_.scans;
   time_s_ = set.time_s;
   motion_.advance(set.time_s);
-  if (prior_) prior_ = moved(*prior_, motion_);
+  if (prior_) prior_ = moved(*prior_, motion_.T_begin_end(), motion_.covariance());
+  bound_.move(motion_.T_begin_end(), motion_.covariance());
   recent_.move(motion_.T_begin_end(), motion_.covariance());
   recent_.add(set.time_s, points);
   bool resampled = false;
@@ -120,6 +108,11 @@ void Relocaliser::start(const std::vector<ObservedPoint>& points) {
   filter_.begin(
       sampleHelicalRegions(regions, density, static_cast<std::size_t>(count), generator_));
   started_ = filter_.particles().size() > 0;
+  if (prior_) {
+    bound_.begin(*prior_);
+  } else {
+    bound_.beginAnywhere();
+  }
 }
 
 HelicalRegions Relocaliser::regionsOf(const std::vector<ObservedPoint>& points) const {
@@ -148,14 +141,16 @@ RelocaliserOutcome Relocaliser::judge(const std::vector<ObservedPoint>& points,
   outcome.modes = computeModes(filter_.particles(), config_.particles.bin(), kLeastShare);
   Eigen::Vector3d limit = Eigen::Vector3d::Zero();
   if (!outcome.modes.empty()) {
-    const ParticleMode& best = outcome.modes.front();
+    ParticleMode& best = outcome.modes.front();
     outcome.T_map_base = map_.T_map_local * best.mean;
-    outcome.covariance = turned(best.covariance, map_.T_map_local.yaw_rad);
     const SensorView view{T_base_sensor, config_.expected_range_m, config_.field_of_view_rad};
     outcome.explanation = explainScan(best.mean, best.covariance, points, map_.landmarks, view,
                                       config_.convergence.gate_probability);
     limit = convergedDeviations(best.mean, motion_.deviationOfOneSecond(),
                                 outcome.explanation.information, config_.convergence);
+    bound_.observe(best.mean, outcome.explanation);
+    best.covariance = raisedTo(best.covariance, bound_.covariance());
+    outcome.covariance = turned(best.covariance, map_.T_map_local.yaw_rad);
   }
   outcome.doubt = findDoubt(outcome.modes, outcome.explanation, limit, config_.convergence);
   if (outcome.doubt.empty()) {

@@ -10,6 +10,7 @@
 #include "relocaliser/helical_region.h"
 #include "relocaliser/local_map.h"
 #include "relocaliser/motion_since.h"
+#include "relocaliser/observed_bound.h"
 #include "relocaliser/particle_filter.h"
 #include "relocaliser/recent_scans.h"
 #include "relocaliser/relocaliser_config.h"
@@ -23,7 +24,7 @@ struct RelocaliserOutcome {
   double time_s = 0.0;
   Pose2 T_map_base;  ///< mean of the heaviest mode
   Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Zero();      ///< of it, map axes; of the particles alone
+      Eigen::Matrix3d::Zero();      ///< of it, map axes; without what the map itself is off by
   std::vector<ParticleMode> modes;  ///< local frame, the heaviest first
   std::size_t particles = 0;
   double effective_number = 0.0;
@@ -96,6 +97,7 @@ class Relocaliser {
   MotionSince motion_;
   RecentScans recent_;
   LocalMap map_;
+  ObservedBound bound_;
   std::optional<PosePrior> prior_;  ///< local frame, moved along with the vehicle
   bool begun_ = false;
   bool started_ = false;  ///< particles are there

@@ -74,14 +74,14 @@ void print(std::uint64_t seed, const test::RelocalisationRun& run) {
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
     const test::RelocalisationScan& scan = run.scans[i];
     const core::RelocaliserOutcome& outcome = scan.outcome;
-    std::printf("%llu,%zu,%g,%g,%zu,%g,%g,%g,%g,%g,%zu,%zu,%d,%d,%g,%g,%d,%g,%g,%g,%g\n",
+    std::printf("%llu,%zu,%g,%g,%zu,%g,%g,%g,%g,%g,%zu,%zu,%d,%d,%g,%g,%d,%g,%g,%g,%g,%g\n",
                 static_cast<unsigned long long>(seed), i, run.prior_error_m, run.prior_deviation_m,
                 run.map_landmarks, scan.error_m, scan.heading_error_rad, scan.cekf_error_m,
                 std::sqrt(outcome.covariance(0, 0)), std::sqrt(outcome.covariance(1, 1)),
                 outcome.particles, outcome.modes.size(), outcome.converged ? 1 : 0,
                 scan.resumed ? 1 : 0, scan.resumed_error_m, scan.resumed_nees,
                 run.resumption.closing_pairs, run.resumption.inflation, run.map_error_before_m,
-                run.map_error_after_m, run.map_error_alone_m);
+                run.map_error_after_m, run.map_error_alone_m, scan.nees);
   }
   if (!run.problem.empty())
     std::fprintf(stderr, "seed %llu: %s\n", static_cast<unsigned long long>(seed),
@@ -105,7 +105,7 @@ int main(int argc, char** argv) {
   std::puts(
       "seed,scan,prior_error_m,prior_deviation_m,map_landmarks,error_m,heading_error_rad,"
       "cekf_error_m,deviation_x_m,deviation_y_m,particles,modes,converged,resumed,resumed_error_m,"
-      "resumed_nees,closing_pairs,inflation,map_before_m,map_after_m,map_alone_m");
+      "resumed_nees,closing_pairs,inflation,map_before_m,map_after_m,map_alone_m,nees");
   for (std::uint64_t seed = first; seed <= last; ++seed) {
     test::LoopRelocalisation loop(seed);
     test::LoopRelocalisation::Watch watch;

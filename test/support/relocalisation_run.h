@@ -21,6 +21,7 @@ namespace hymm::test {
 struct RelocalisationScan {
   double error_m = 0.0;
   double heading_error_rad = 0.0;
+  double nees = 0.0;             ///< of the pose found, 3 degrees of freedom
   double cekf_error_m = 0.0;     ///< of the CEKF that goes on by itself
   double resumed_error_m = 0.0;  ///< of the one that waits, and goes on from the place found
   double resumed_nees = 0.0;     ///< of its pose, 3 degrees of freedom
@@ -129,6 +130,9 @@ class LoopRelocalisation {
     RelocalisationScan scan;
     scan.error_m = error.position().norm();
     scan.heading_error_rad = std::abs(error.yaw_rad);
+    Eigen::Vector3d off = outcome.T_map_base.vector() - truth.vector();
+    off.z() = core::wrapAngle(off.z());
+    scan.nees = off.dot(outcome.covariance.inverse() * off);
     scan.cekf_error_m = (alone.pose().T_map_base.position() - truth.position()).norm();
     const core::PoseEstimate pose = slam.pose();
     Eigen::Vector3d e = pose.T_map_base.vector() - truth.vector();
