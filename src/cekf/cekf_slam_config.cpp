@@ -175,9 +175,11 @@ void CekfSlamConfig::describe(ConfigSchema& schema) {
               "laser scans, clouds of points of a 3D sensor, or landmarks that the robot detects "
               "itself",
               {"scan", "points", "detections"});
-  schema.flag("use_time_increment", use_time_increment,
-              "believe a scan that tells how long it takes from beam to beam, and undo what the "
-              "vehicle moved meanwhile; else all beams count as measured at the stamp");
+  schema.flag(
+      "use_time_increment", use_time_increment,
+      "believe a scan that tells how long it takes from beam to beam, and a cloud that tells "
+      "when its points were measured, and undo what the vehicle moved meanwhile; else all beams "
+      "count as measured at the stamp");
   schema.number("landmark_block_range_m", landmark_block_range_m, Range::between(0.0, 1000.0),
                 "cross-covariances are published for pairs of landmarks no farther apart");
   schema.number("landmark_rate_hz", landmark_rate_hz, Range{0.0, 100.0, true},

@@ -10,6 +10,7 @@
 #include "ros/node_main.h"
 #include "ros/relocaliser_conversions.h"
 #include "ros/steady_time.h"
+#include "ros/time_conversions.h"
 
 namespace hymm {
 namespace {
@@ -29,6 +30,13 @@ std::string causeOf(const std::string& reason) {
   const auto digit = std::find_if(reason.begin(), reason.end(),
                                   [](unsigned char c) { return std::isdigit(c) != 0; });
   return "scan refused: " + std::string(reason.begin(), digit);
+}
+
+/// A message's header, with the stamp of what was read of it: clouds may begin before theirs.
+std_msgs::Header headerAt(double time_s, const SensorMessage& message) {
+  std_msgs::Header header = headerOf(message);
+  if (header.stamp.toSec() != time_s) header.stamp = toRosTime(time_s);
+  return header;
 }
 
 std::string suspensionText(double from_s, bool is_suspended, const core::CekfSlam& filter) {
@@ -122,7 +130,7 @@ void CekfSlamNode::readBacklog() {
 }
 
 void CekfSlamNode::take(const SensorMessage& message, core::SensorEvent event, double now_s) {
-  if (isScan(message)) scan_headers_.remember(headerOf(message));
+  if (isScan(message)) scan_headers_.remember(headerAt(core::timeOf(event), message));
   const std::size_t late = merger_.counts().out_of_order;
   merger_.push(std::move(event), now_s);
   for (std::size_t i = late; i < merger_.counts().out_of_order; ++i) {

@@ -71,8 +71,10 @@ void HymmGridNode::subscribe(const std::string& topic) {
 }
 
 void HymmGridNode::take(const sensor_msgs::LaserScan::ConstPtr& message) {
+  const auto scan = std::make_shared<const HeadedScan>(
+      HeadedScan{message->header, message->header.stamp, fromMessage(*message)});
   const std::lock_guard<std::mutex> lock(inputs_mutex_);
-  pairing_.add(message);
+  pairing_.add(scan);
   arrived_.notify_one();
 }
 
@@ -167,7 +169,7 @@ void HymmGridNode::process(const PairedScan& paired) {
     stamp_ = paired.pose->header.stamp;
   }
   if (paired.scan) {
-    step.scan = fromMessage(*paired.scan);
+    step.scan = paired.scan->scan;
     const bool is_laser = config_.scan_input != "points";  // scans of clouds are upright
     const std::string& frame = paired.scan->header.frame_id;
     if (is_laser && scan_places_.find(frame, 0.0).upside_down) turnUpright(*step.scan);

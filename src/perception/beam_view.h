@@ -22,9 +22,11 @@ enum class BeamKind {
 class BeamView {
  public:
   explicit BeamView(const LaserScan& scan)
-      : scan_(scan), size_(static_cast<int>(scan.ranges_m.size())) {
+      : scan_(scan),
+        size_(static_cast<int>(scan.ranges_m.size())),
+        is_swept_(scan.sweep_s() > 0.0) {
     const double turn = 2.0 * kPi / spacing();  // beams of a full turn
-    full_turn_ = size_ > 2 && size_ >= turn - 0.5 && scan.sweep_s() == 0.0;
+    full_turn_ = size_ > 2 && size_ >= turn - 0.5 && !is_swept_;
     if (full_turn_) size_ = static_cast<int>(std::lround(turn));
   }
 
@@ -47,7 +49,11 @@ class BeamView {
 
   /// When a place between beams, too, was measured, after the scan's stamp.
   double afterStamp_s(double index) const {
-    return scan_.sweep_s() > 0.0 ? index * scan_.time_increment_s : 0.0;
+    if (!is_swept_) return 0.0;
+    const double before = std::floor(index), share = index - before;
+    const double before_s = scan_.beamTime_s(place(static_cast<int>(before)));
+    if (share == 0.0) return before_s;
+    return before_s + share * (scan_.beamTime_s(place(static_cast<int>(before) + 1)) - before_s);
   }
 
   BeamKind kind(int index) const {
@@ -67,6 +73,7 @@ class BeamView {
 
   const LaserScan& scan_;
   int size_;
+  bool is_swept_;
   bool full_turn_ = false;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "common/pose2.h"
@@ -17,6 +18,9 @@ struct LaserScan {
   double range_max_m = 0.0;
   std::vector<float> ranges_m;
   std::vector<float> intensities;  ///< as long as ranges_m, or empty; unit of the device
+  /// When each beam was measured, after time_s; as long as ranges_m, or empty: time_increment_s
+  /// tells it.
+  std::vector<float> beam_times_s;
   /// Where the sensor was at each beam, from where it was at the stamp; as long as ranges_m, or
   /// empty: it did not move, or nobody has told.
   std::vector<Pose2> T_stamp_beam;
@@ -31,12 +35,21 @@ struct LaserScan {
   /// Whether a range is where a beam ended. The maximum itself is how some drivers say "no return".
   bool isHit(double range_m) const { return range_m >= range_min_m && range_m < range_max_m; }
 
-  /// From the first beam to the last; 0 where all count as measured at the stamp, be it that the
-  /// time increment makes no sense.
+  /// From the stamp to the last beam measured; 0 where all count as measured at the stamp, be it
+  /// that the time increment makes no sense.
   double sweep_s() const {
     if (ranges_m.empty()) return 0.0;
-    const double sweep_s = time_increment_s * static_cast<double>(ranges_m.size() - 1);
+    double sweep_s = time_increment_s * static_cast<double>(ranges_m.size() - 1);
+    if (!beam_times_s.empty()) {
+      sweep_s = static_cast<double>(*std::max_element(beam_times_s.begin(), beam_times_s.end()));
+    }
     return sweep_s > kInstant_s && sweep_s <= kLongestSweep_s ? sweep_s : 0.0;
+  }
+
+  /// When a beam was measured, after the stamp, if sweep_s() is not 0.
+  double beamTime_s(std::size_t index) const {
+    return beam_times_s.empty() ? static_cast<double>(index) * time_increment_s
+                                : static_cast<double>(beam_times_s[index]);
   }
 
   /// Where the sensor was at a beam, if it was at `T_parent_sensor` at the stamp.

@@ -1,7 +1,9 @@
 #include "perception/point_scan.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/angles.h"
 
@@ -20,8 +22,51 @@ void PointCloudConfig::describe(ConfigSchema& schema) {
                  "all around, in each of which the nearest obstacle counts");
 }
 
+namespace {
+
+/// The direction behind the greatest step in time between neighbours that were measured: there a
+/// turn ends and begins. What stands across it is not one shape.
+std::size_t beginOfTurn(const std::vector<float>& times_s) {
+  std::size_t begin = 0, before = times_s.size();
+  float greatest_s = 0.0F;
+  // Once around, and on to the first that was measured.
+  for (std::size_t i = 0; i < 2 * times_s.size(); ++i) {
+    const std::size_t direction = i % times_s.size();
+    if (std::isnan(times_s[direction])) continue;
+    if (before == times_s.size()) {
+      begin = direction;
+    } else {
+      const float step_s = std::abs(times_s[direction] - times_s[before]);
+      if (step_s > greatest_s) greatest_s = step_s, begin = direction;
+    }
+    before = direction;
+  }
+  return begin;
+}
+
+/// Gives a scan the times of those directions that were measured (NaN: not), and begins it where
+/// the turn does.
+void tellTimes(std::vector<float> times_s, LaserScan& scan) {
+  const std::size_t begin = beginOfTurn(times_s);
+  if (std::isnan(times_s[begin])) return;
+  const auto turned = static_cast<std::ptrdiff_t>(begin);
+  std::rotate(times_s.begin(), times_s.begin() + turned, times_s.end());
+  for (std::size_t i = 1; i < times_s.size(); ++i) {
+    if (std::isnan(times_s[i])) times_s[i] = times_s[i - 1];
+  }
+  std::rotate(scan.ranges_m.begin(), scan.ranges_m.begin() + turned, scan.ranges_m.end());
+  scan.angle_min_rad += static_cast<double>(begin) * scan.angle_increment_rad;
+  scan.beam_times_s = std::move(times_s);
+}
+
+}  // namespace
+
+bool isSeen(const Eigen::Vector3f& point, const PointCloudConfig& config) {
+  return point.allFinite() && static_cast<double>(point.head<2>().norm()) >= config.min_range_m;
+}
+
 LaserScan scanOfPoints(const std::vector<Eigen::Vector3f>& points, double time_s,
-                       const PointCloudConfig& config) {
+                       const PointCloudConfig& config, const std::vector<float>& times_s) {
   constexpr float kNoReturn = std::numeric_limits<float>::infinity();
   LaserScan scan;
   scan.time_s = time_s;
@@ -37,17 +82,24 @@ LaserScan scanOfPoints(const std::vector<Eigen::Vector3f>& points, double time_s
     return range_m <= config.max_range_m && height_m >= config.min_height_m &&
            height_m <= config.min_height_m + config.band_height_m;
   };
-  for (const Eigen::Vector3f& point : points) {
-    if (!point.allFinite()) continue;
+  std::vector<float> seen_s(times_s.empty() ? 0 : scan.ranges_m.size(),
+                            std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f& point = points[i];
+    if (!isSeen(point, config)) continue;
     const float range_m = point.head<2>().norm();
-    if (static_cast<double>(range_m) < config.min_range_m) continue;
     const double turn = static_cast<double>(std::atan2(point.y(), point.x())) + kPi;
-    const auto direction = static_cast<std::size_t>(std::lround(turn / scan.angle_increment_rad));
-    float& nearest_m = scan.ranges_m[direction % scan.ranges_m.size()];
+    const std::size_t direction =
+        static_cast<std::size_t>(std::lround(turn / scan.angle_increment_rad)) %
+        scan.ranges_m.size();
+    float& nearest_m = scan.ranges_m[direction];
     const bool is_obstacle = isInBand(static_cast<double>(range_m), static_cast<double>(point.z()));
-    // The order also replaces NaN by anything.
-    nearest_m = std::fmin(nearest_m, is_obstacle ? range_m : kNoReturn);
+    const float shown_m = is_obstacle ? range_m : kNoReturn;
+    if (nearest_m <= shown_m) continue;  // not if it is NaN
+    nearest_m = shown_m;
+    if (!times_s.empty()) seen_s[direction] = times_s[i];
   }
+  if (!times_s.empty()) tellTimes(std::move(seen_s), scan);
   return scan;
 }
 

@@ -53,6 +53,10 @@ std::optional<std::string> lengthProblem(const LaserScan& scan) {
     return sentence("intensities has ", scan.intensities.size(), " values and ranges ",
                     scan.ranges_m.size(), "; intensities must be as long as ranges, or empty.");
   }
+  if (!scan.beam_times_s.empty() && scan.beam_times_s.size() != scan.ranges_m.size()) {
+    return sentence("times are known for ", scan.beam_times_s.size(), " of ", scan.ranges_m.size(),
+                    " beams; they must be for all, or for none.");
+  }
   if (!scan.T_stamp_beam.empty() && scan.T_stamp_beam.size() != scan.ranges_m.size()) {
     return sentence("the sensor's motion is known for ", scan.T_stamp_beam.size(), " of ",
                     scan.ranges_m.size(), " beams; it must be for all, or for none.");
@@ -60,12 +64,22 @@ std::optional<std::string> lengthProblem(const LaserScan& scan) {
   return std::nullopt;
 }
 
-}  // namespace
-
-std::optional<std::string> scanProblem(const LaserScan& scan) {
+std::optional<std::string> timeProblem(const LaserScan& scan) {
   if (!std::isfinite(scan.time_s)) {
     return sentence("the stamp is ", scan.time_s, " s; it must be finite.");
   }
+  for (const float time_s : scan.beam_times_s) {
+    if (time_s >= 0.0F && static_cast<double>(time_s) <= LaserScan::kLongestSweep_s) continue;
+    return sentence("a beam was measured ", time_s, " s after the stamp; it must be 0 to ",
+                    LaserScan::kLongestSweep_s, " s.");
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> scanProblem(const LaserScan& scan) {
+  if (auto problem = timeProblem(scan)) return problem;
   if (auto problem = lengthProblem(scan)) return problem;
   if (auto problem = angleProblem(scan)) return problem;
   return limitProblem(scan);

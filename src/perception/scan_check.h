@@ -8,8 +8,9 @@
 namespace hymm::core {
 
 /// What makes a scan unusable, as a sentence that names the field and its value: a stamp or angle
-/// that is not finite, an increment of zero, range limits out of order, no ranges, intensities of
-/// another length. Single invalid ranges (NaN, negative) do not; they count as no measurement.
+/// that is not finite, an increment of zero, range limits out of order, no ranges, intensities or
+/// times of beams of another length, such times beyond LaserScan::kLongestSweep_s. Single invalid
+/// ranges (NaN, negative) do not; they count as no measurement.
 std::optional<std::string> scanProblem(const LaserScan& scan);
 
 /// Why the time increment of a scan is not used, as a sentence: it is not finite or negative, says

@@ -1,17 +1,17 @@
 #include "ros/cloud_conversions.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <cstring>
 #include <limits>
+#include <memory>
 #include <sstream>
+#include <utility>
 #include <vector>
 
-#include <boost/make_shared.hpp>
-
 #include "ros/parameters.h"
-#include "ros/sensor_conversions.h"
+#include "ros/point_fields.h"
+#include "ros/point_times.h"
+#include "ros/time_conversions.h"
 
 namespace hymm {
 namespace {
@@ -24,27 +24,16 @@ std::string listOf(const std::vector<sensor_msgs::PointField>& fields) {
   return list.empty() ? "none" : list;
 }
 
-const sensor_msgs::PointField* findField(const sensor_msgs::PointCloud2& cloud,
-                                         const std::string& name) {
-  const auto field = std::find_if(cloud.fields.begin(), cloud.fields.end(),
-                                  [&](const auto& candidate) { return candidate.name == name; });
-  return field == cloud.fields.end() ? nullptr : &*field;
-}
-
-std::size_t sizeOf(const sensor_msgs::PointField& field) {
-  return field.datatype == sensor_msgs::PointField::FLOAT64 ? sizeof(double) : sizeof(float);
-}
-
 /// Why a coordinate cannot be read; empty if it can.
 std::string fieldProblem(const sensor_msgs::PointCloud2& cloud, const std::string& name) {
   const sensor_msgs::PointField* field = findField(cloud, name);
   if (field == nullptr) return "it has no field '" + name + "'; it has " + listOf(cloud.fields);
   const bool is_float = field->datatype == sensor_msgs::PointField::FLOAT32 ||
                         field->datatype == sensor_msgs::PointField::FLOAT64;
-  if (!is_float || field->count > 1U) {
+  if (!is_float || !isReadable(*field)) {
     return "its field '" + name + "' is not one FLOAT32 or FLOAT64";
   }
-  if (std::size_t{field->offset} + sizeOf(*field) > cloud.point_step) {
+  if (!isInside(*field, cloud)) {
     return "its field '" + name + "' lies outside of point_step";
   }
   return "";
@@ -65,33 +54,6 @@ std::string layoutProblem(const sensor_msgs::PointCloud2& cloud) {
   return "";
 }
 
-/// One coordinate of the points of a cloud whose layout was checked.
-class Coordinate {
- public:
-  Coordinate(const sensor_msgs::PointCloud2& cloud, const std::string& name)
-      : offset_(findField(cloud, name)->offset),
-        size_(sizeOf(*findField(cloud, name))),
-        swaps_(cloud.is_bigendian != 0U) {}
-
-  float of(const std::uint8_t* point) const {
-    std::array<std::uint8_t, sizeof(double)> bytes{};
-    std::copy_n(point + offset_, size_, bytes.begin());
-    if (swaps_) std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size_));
-    if (size_ == sizeof(double)) {
-      double value = 0.0;
-      std::memcpy(&value, bytes.data(), sizeof(value));
-      return static_cast<float>(value);
-    }
-    float value = 0.0F;
-    std::memcpy(&value, bytes.data(), sizeof(value));
-    return value;
-  }
-
- private:
-  std::size_t offset_, size_;
-  bool swaps_;
-};
-
 /// From the cloud's axes to upright ones at the sensor, z from base_link up.
 Eigen::Isometry3f uprightFrom(const SensorMountings::Answer& mounting) {
   Eigen::Isometry3d upright = Eigen::Isometry3d::Identity();
@@ -106,11 +68,14 @@ std::vector<Eigen::Vector3f> pointsOf(const sensor_msgs::PointCloud2& cloud,
   std::vector<Eigen::Vector3f> points;
   if (cloud.data.empty()) return points;
   points.reserve(std::size_t{cloud.width} * cloud.height);
-  const Coordinate x(cloud, "x"), y(cloud, "y"), z(cloud, "z");
+  const NumberField x(cloud, *findField(cloud, "x"));
+  const NumberField y(cloud, *findField(cloud, "y"));
+  const NumberField z(cloud, *findField(cloud, "z"));
   for (std::size_t row = 0; row < cloud.height; ++row) {
     const std::uint8_t* point = cloud.data.data() + row * cloud.row_step;
     for (std::size_t i = 0; i < cloud.width; ++i, point += cloud.point_step) {
-      points.emplace_back(T_upright_cloud * Eigen::Vector3f(x.of(point), y.of(point), z.of(point)));
+      const Eigen::Vector3d place(x.of(point), y.of(point), z.of(point));
+      points.emplace_back(T_upright_cloud * place.cast<float>());
     }
   }
   return points;
@@ -136,8 +101,24 @@ void remarkOnHeights(const std::vector<Eigen::Vector3f>& points,
            << " m above base_link, and none counts as an obstacle: point_clouds says from "
            << config.min_height_m << " to " << top_m
            << " m. Set min_height_m, or check the static transform.";
-  result.cause = "point clouds without a point at the heights of obstacles";
-  result.problem = sentence.str();
+  result.remarks.push_back(
+      {"point clouds without a point at the heights of obstacles", sentence.str()});
+}
+
+/// The scan, which begins with its first point: the stamp of a cloud may be of its last one.
+HeadedScan headedScan(const std_msgs::Header& header, const std::vector<Eigen::Vector3f>& points,
+                      std::vector<double> after_stamp_s, const core::PointCloudConfig& config) {
+  HeadedScan headed{header, header.stamp, {}};
+  const double first_s =
+      after_stamp_s.empty() ? 0.0 : *std::min_element(after_stamp_s.begin(), after_stamp_s.end());
+  if (first_s < 0.0) headed.header.stamp = toRosTime(header.stamp.toSec() + first_s);
+  std::vector<float> times_s;
+  times_s.reserve(after_stamp_s.size());
+  for (const double time_s : after_stamp_s) {
+    times_s.push_back(static_cast<float>(time_s - std::min(first_s, 0.0)));
+  }
+  headed.scan = core::scanOfPoints(points, headed.header.stamp.toSec(), config, times_s);
+  return headed;
 }
 
 }  // namespace
@@ -148,22 +129,29 @@ CloudScan scanOfCloud(const sensor_msgs::PointCloud2& cloud,
   const std::string& frame = cloud.header.frame_id;
   CloudScan result;
   if (!mounting.T_base_sensor) {
-    result.cause = "unknown frame '" + frame + "'";
-    result.problem = "Point clouds of frame '" + frame + "' are refused: " + mounting.problem + ".";
+    result.remarks.push_back(
+        {"unknown frame '" + frame + "'",
+         "Point clouds of frame '" + frame + "' are refused: " + mounting.problem + "."});
     return result;
   }
   const std::string problem = layoutProblem(cloud);
   if (!problem.empty()) {
-    result.cause = "point clouds that cannot be read";
-    result.problem = "A point cloud of frame '" + frame + "' is refused: " + problem + ".";
+    result.remarks.push_back(
+        {"point clouds that cannot be read",
+         "A point cloud of frame '" + frame + "' is refused: " + problem + "."});
     return result;
   }
   const std::vector<Eigen::Vector3f> points = pointsOf(cloud, uprightFrom(mounting));
   remarkOnHeights(points, config, frame, result);
-  const auto scan = boost::make_shared<sensor_msgs::LaserScan>(
-      toMessage(core::scanOfPoints(points, cloud.header.stamp.toSec(), config), frame));
-  scan->header = cloud.header;
-  result.scan = scan;
+  PointTimes times = pointTimes(cloud, points, config);
+  if (!times.problem.empty()) {
+    result.remarks.push_back({"point clouds with senseless times of points",
+                              "A point cloud of frame '" + frame +
+                                  "' cannot say when its points were measured: " + times.problem +
+                                  ". They are all taken as measured at its stamp."});
+  }
+  result.scan = std::make_shared<const HeadedScan>(
+      headedScan(cloud.header, points, std::move(times.after_stamp_s), config));
   return result;
 }
 

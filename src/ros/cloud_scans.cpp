@@ -13,15 +13,15 @@ CloudScans::CloudScans(SensorMountings mountings, const core::PointCloudConfig& 
                        CauseLog& causes)
     : mountings_(std::move(mountings)), config_(config), causes_(causes) {}
 
-std::vector<sensor_msgs::LaserScan::ConstPtr> CloudScans::takeReady(double steady_now_s) {
-  std::vector<sensor_msgs::LaserScan::ConstPtr> scans;
+std::vector<HeadedScan::ConstPtr> CloudScans::takeReady(double steady_now_s) {
+  std::vector<HeadedScan::ConstPtr> scans;
   while (!waiting_.empty()) {
     const sensor_msgs::PointCloud2& cloud = *waiting_.front();
     const SensorMountings::Answer mounting =
         mountings_.findInSpace(cloud.header.frame_id, steady_now_s);
     if (mounting.waiting) break;
     CloudScan converted = scanOfCloud(cloud, mounting, config_);
-    if (!converted.cause.empty()) causes_.count(converted.cause, converted.problem);
+    for (const auto& remark : converted.remarks) causes_.count(remark.cause, remark.problem);
     if (converted.scan) scans.push_back(std::move(converted.scan));
     waiting_.pop_front();
   }

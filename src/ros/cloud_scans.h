@@ -18,7 +18,7 @@ class CloudScans {
   void add(const sensor_msgs::PointCloud2::ConstPtr& cloud) { waiting_.push_back(cloud); }
 
   /// Scans of the clouds whose sensor has a place now. `steady_now_s`: see SensorMountings.
-  std::vector<sensor_msgs::LaserScan::ConstPtr> takeReady(double steady_now_s);
+  std::vector<HeadedScan::ConstPtr> takeReady(double steady_now_s);
 
  private:
   SensorMountings mountings_;

@@ -40,7 +40,7 @@ EventReader::Answer EventReader::read(const SensorMessage& message, double stead
           return {};
         }
         if constexpr (std::is_same_v<Message, DeadReckoning>) {
-          return {core::MotionInput(fromMessage(*pointer)), false};
+          return readMotion(fromMessage(*pointer));
         } else if constexpr (std::is_same_v<Message, nav_msgs::Odometry>) {
           return readOdometry(*pointer, steady_now_s);
         } else if constexpr (std::is_same_v<Message, sensor_msgs::NavSatFix>) {
@@ -52,6 +52,11 @@ EventReader::Answer EventReader::read(const SensorMessage& message, double stead
         }
       },
       message);
+}
+
+EventReader::Answer EventReader::readMotion(const core::MotionInput& input) {
+  turns_.take(input);
+  return {input, false};
 }
 
 template <class Message>
@@ -92,6 +97,10 @@ void EventReader::checkScan(const sensor_msgs::LaserScan& message, core::LaserSc
                   a_scan + " cannot say when its beams were measured: " + *problem +
                       " They are all taken as measured at its stamp.");
   }
+  const double period_s = static_cast<double>(message.scan_time);
+  if (use_time_increment_ && scan.sweep_s() == 0.0 && period_s > 0.0) {
+    turns_.take(scan, period_s, message.header.frame_id, causes_);
+  }
 }
 
 EventReader::Answer EventReader::readCloud(const sensor_msgs::PointCloud2& message,
@@ -100,16 +109,23 @@ EventReader::Answer EventReader::readCloud(const sensor_msgs::PointCloud2& messa
       mountings_.findInSpace(message.header.frame_id, steady_now_s);
   if (mounting.waiting) return {std::nullopt, true};
   const CloudScan cloud = scanOfCloud(message, mounting, points_);
-  if (!cloud.cause.empty()) causes_.count(cloud.cause, cloud.problem);
+  for (const auto& remark : cloud.remarks) causes_.count(remark.cause, remark.problem);
   if (!cloud.scan) return {};
-  return {placed(fromMessage(*cloud.scan), *mounting.T_base_sensor), false};
+  core::LaserScan scan = cloud.scan->scan;
+  if (!use_time_increment_) {
+    scan.time_s = cloud.scan->told_stamp.toSec();
+    scan.beam_times_s.clear();
+  } else if (scan.sweep_s() == 0.0) {
+    turns_.take(scan, std::nullopt, message.header.frame_id, causes_);
+  }
+  return {placed(std::move(scan), *mounting.T_base_sensor), false};
 }
 
 EventReader::Answer EventReader::readOdometry(const nav_msgs::Odometry& message,
                                               double steady_now_s) {
   const OdometryReader::Answer answer = odometry_.read(message, mountings_, steady_now_s, causes_);
   if (!answer.input) return {std::nullopt, answer.waiting};
-  return {core::SensorEvent(core::MotionInput(*answer.input)), false};
+  return readMotion(*answer.input);
 }
 
 std::optional<core::SensorEvent> EventReader::readGps(const sensor_msgs::NavSatFix& message) {
@@ -126,6 +142,7 @@ void EventReader::reset() {
   mountings_.reset();
   gps_.reset();
   odometry_.reset();
+  turns_.reset();
 }
 
 }  // namespace hymm

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "perception/point_scan.h"
 #include "pipeline/sensor_event.h"
@@ -9,6 +10,7 @@
 #include "ros/odometry_reader.h"
 #include "ros/sensor_mountings.h"
 #include "ros/sensor_queue.h"
+#include "ros/untimed_turns.h"
 
 namespace hymm {
 
@@ -28,10 +30,14 @@ class EventReader {
 
   Answer read(const SensorMessage& message, double steady_now_s);
 
+  /// What is to be said of the whole, beside what was counted: a sentence, or nothing.
+  std::string summary() const { return turns_.summary(); }
+
   /// Another recording begins.
   void reset();
 
  private:
+  Answer readMotion(const core::MotionInput& input);
   Answer readOdometry(const nav_msgs::Odometry& message, double steady_now_s);
   std::optional<core::SensorEvent> readGps(const sensor_msgs::NavSatFix& message);
   void checkScan(const sensor_msgs::LaserScan& message, core::LaserScan& scan);
@@ -44,6 +50,7 @@ class EventReader {
   OdometryReader odometry_;
   core::PointCloudConfig points_;
   bool use_time_increment_;
+  UntimedTurns turns_;
   CauseLog& causes_;
 };
 

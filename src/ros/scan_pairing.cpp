@@ -22,7 +22,7 @@ bool makeRoom(Queue& queue, std::size_t most) {
 
 }  // namespace
 
-void ScanPairing::add(const sensor_msgs::LaserScan::ConstPtr& scan) {
+void ScanPairing::add(const HeadedScan::ConstPtr& scan) {
   if (makeRoom(scans_, kMostWaiting)) {
     ++counts_.overflows;
     ++counts_.dropped_scans;
@@ -92,7 +92,7 @@ void ScanPairing::takeMap(const LandmarkMap::ConstPtr& map) {
 }
 
 /// With all that came before it, which nobody had a use for.
-void ScanPairing::takeScan(const sensor_msgs::LaserScan::ConstPtr& scan) {
+void ScanPairing::takeScan(const HeadedScan::ConstPtr& scan) {
   const auto found = std::find(scans_.begin(), scans_.end(), scan);
   if (found == scans_.end()) return;
   counts_.unused_scans += static_cast<std::size_t>(found - scans_.begin());
@@ -140,9 +140,11 @@ ScanPairing::Search ScanPairing::findMap(const LandmarkUpdate& update, bool is_l
 }
 
 ScanPairing::Search ScanPairing::findScan(const ros::Time& stamp, bool is_late,
-                                          sensor_msgs::LaserScan::ConstPtr& scan) const {
-  const auto found = std::find_if(scans_.begin(), scans_.end(),
-                                  [&](const auto& held) { return held->header.stamp == stamp; });
+                                          HeadedScan::ConstPtr& scan) const {
+  // A filter that does not use the times of beams takes a scan as of the stamp that was told.
+  const auto found = std::find_if(scans_.begin(), scans_.end(), [&](const auto& held) {
+    return held->header.stamp == stamp || held->told_stamp == stamp;
+  });
   if (found != scans_.end()) {
     scan = *found;
     return Search::kFound;

@@ -8,18 +8,18 @@
 #include <hymm/FilterPose.h>
 #include <hymm/LandmarkMap.h>
 #include <hymm/LandmarkUpdate.h>
-#include <sensor_msgs/LaserScan.h>
 
 #include "pipeline/filter_life.h"
+#include "ros/headed_scan.h"
 
 namespace hymm {
 
 /// What came of one scan on four topics.
 struct PairedScan {
-  LandmarkUpdate::ConstPtr update;        ///< always
-  FilterPose::ConstPtr pose;              ///< null: it got lost; nothing but the update counts
-  LandmarkMap::ConstPtr map;              ///< of the update's version, if it was announced
-  sensor_msgs::LaserScan::ConstPtr scan;  ///< null: it did not come, or there is none
+  LandmarkUpdate::ConstPtr update;  ///< always
+  FilterPose::ConstPtr pose;        ///< null: it got lost; nothing but the update counts
+  LandmarkMap::ConstPtr map;        ///< of the update's version, if it was announced
+  HeadedScan::ConstPtr scan;        ///< null: it did not come, or there is none
 };
 
 /// Brings together what belongs to one scan: itself, the filter's pose of it, what changed of the
@@ -39,7 +39,7 @@ class ScanPairing {
     std::size_t dropped_scans = 0;  ///< scans among them
   };
 
-  void add(const sensor_msgs::LaserScan::ConstPtr& scan);
+  void add(const HeadedScan::ConstPtr& scan);
   void add(const FilterPose::ConstPtr& pose, double now_s);
   void add(const LandmarkUpdate::ConstPtr& update);
   void add(const LandmarkMap::ConstPtr& map);
@@ -65,13 +65,12 @@ class ScanPairing {
   std::optional<PairedScan> takeLoneUpdate();
   Search findUpdate(bool is_late);
   Search findMap(const LandmarkUpdate& update, bool is_late, LandmarkMap::ConstPtr& map) const;
-  Search findScan(const ros::Time& stamp, bool is_late,
-                  sensor_msgs::LaserScan::ConstPtr& scan) const;
+  Search findScan(const ros::Time& stamp, bool is_late, HeadedScan::ConstPtr& scan) const;
   void takeMap(const LandmarkMap::ConstPtr& map);
-  void takeScan(const sensor_msgs::LaserScan::ConstPtr& scan);
+  void takeScan(const HeadedScan::ConstPtr& scan);
   void forgetScansBeforeJump();
 
-  std::deque<sensor_msgs::LaserScan::ConstPtr> scans_;
+  std::deque<HeadedScan::ConstPtr> scans_;
   std::deque<Arrived> poses_;
   std::deque<LandmarkUpdate::ConstPtr> updates_;
   std::deque<LandmarkMap::ConstPtr> maps_;

@@ -122,6 +122,7 @@ std::vector<std::string> runBag(const std::string& path,
   std::vector<std::string> notes = bag.stamps().problems();
   for (const auto& [what, count] : bag.incidents()) notes.push_back(counted(what, count));
   for (const auto& [cause, count] : causes.counts()) notes.push_back(counted(cause, count));
+  if (const std::string summary = reader.summary(); !summary.empty()) notes.push_back(summary);
   addIncidents(run, notes);
   if (run.scans() > 0 && bag.stamps().areApart()) {
     throw core::InputError(path +

@@ -64,5 +64,62 @@ TEST(PointScan, WhereNothingWasMeasuredNothingIsSaid) {
   for (const float range_m : scan.ranges_m) EXPECT_TRUE(std::isnan(range_m));
 }
 
+/// Points 6 m away, one each degree, of a laser that turns once in 0.1 s.
+struct Turn {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> times_s;
+
+  Turn(double first_rad, double turn_rad) {
+    for (int i = 0; i < 360; ++i) {
+      const double bearing = first_rad + turn_rad * i / 360.0;
+      points.emplace_back(static_cast<float>(6.0 * std::cos(bearing)),
+                          static_cast<float>(6.0 * std::sin(bearing)), 1.0F);
+      times_s.push_back(0.1F * static_cast<float>(i) / 360.0F);
+    }
+  }
+};
+
+TEST(PointScan, EachBeamHasTheTimeOfThePointThatItShows) {
+  for (const double turn : {2.0 * kPi, -2.0 * kPi}) {
+    const Turn seen(0.7, turn);
+    const LaserScan scan = scanOfPoints(seen.points, 7.0, PointCloudConfig(), seen.times_s);
+    ASSERT_EQ(scan.beam_times_s.size(), scan.ranges_m.size());
+    EXPECT_FALSE(scanProblem(scan).has_value());
+    EXPECT_NEAR(scan.sweep_s(), 0.1, 0.001);
+    int measured = 0;
+    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+      if (std::isnan(scan.ranges_m[i])) continue;
+      ++measured;
+      double share = (scan.bearing(i) - 0.7) / turn;
+      share -= std::floor(share + 0.5 / 720.0);
+      EXPECT_NEAR(scan.beamTime_s(i), 0.1 * share, 0.1 / 700.0) << i;
+    }
+    EXPECT_EQ(measured, 360);
+  }
+}
+
+TEST(PointScan, BeginsWhereTheTurnDoes) {
+  // Nothing but the seam keeps neighbours apart: what stands ahead is one shape.
+  const Turn seen(0.7, -2.0 * kPi);
+  const LaserScan scan = scanOfPoints(seen.points, 7.0, PointCloudConfig(), seen.times_s);
+  ASSERT_EQ(scan.beam_times_s.size(), 720U);
+  for (std::size_t i = 1; i < scan.beam_times_s.size(); ++i) {
+    EXPECT_LE(std::abs(scan.beam_times_s[i] - scan.beam_times_s[i - 1]), 0.001F) << i;
+  }
+  EXPECT_NEAR(rangeTowards(scan, 0.7 + 2.0 * kPi), 6.0, 1e-5);
+}
+
+TEST(PointScan, ShowsTheTimeOfTheNearestOfSeveralPointsInADirection) {
+  const LaserScan scan = scanOfPoints({{9.0F, 0.0F, 1.0F}, {4.0F, 0.0F, 1.0F}, {6.0F, 0.0F, 1.0F}},
+                                      7.0, PointCloudConfig(), {0.01F, 0.02F, 0.03F});
+  EXPECT_NEAR(scan.sweep_s(), 0.02, 1e-6);
+}
+
+TEST(PointScan, WithoutTimesHasNone) {
+  EXPECT_TRUE(scanOf({{5.0F, 0.0F, 1.0F}}).beam_times_s.empty());
+  EXPECT_TRUE(scanOfPoints({{0.1F, 0.0F, 1.0F}}, 7.0, PointCloudConfig(), {0.01F})
+                  .beam_times_s.empty());  // of the vehicle
+}
+
 }  // namespace
 }  // namespace hymm::core

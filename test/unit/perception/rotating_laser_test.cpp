@@ -1,4 +1,5 @@
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -30,6 +31,20 @@ TEST(RotatingLaser, SeesEachTrunkAtTheTimeOfItsBeams) {
   ASSERT_EQ(found.size(), 2U);
   EXPECT_NEAR(found[0].after_stamp_s, 0.25 * kTurn_s, kTurn_s / kBeams);
   EXPECT_NEAR(found[1].after_stamp_s, 0.75 * kTurn_s, kTurn_s / kBeams);
+}
+
+TEST(RotatingLaser, SeesEachTrunkAtTheTimesThatItsBeamsTell) {
+  LaserScan scan = turnOf(AnalyticLaser().trunk(8.0, kPi / 2.0, 0.4));
+  scan.time_increment_s = 0.0;
+  scan.beam_times_s.resize(kBeams);
+  for (std::size_t i = 0; i < kBeams; ++i) {  // clockwise
+    scan.beam_times_s[i] = static_cast<float>(kTurn_s * static_cast<double>(kBeams - i) / kBeams);
+  }
+  const auto found = detect(scan);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].after_stamp_s, 0.25 * kTurn_s, kTurn_s / kBeams);
+  EXPECT_FALSE(BeamView(scan).fullTurn());
+  EXPECT_NEAR(BeamView(scan).afterStamp_s(540.5), (179.5 / 720.0) * kTurn_s, 1e-7);
 }
 
 TEST(RotatingLaser, SeesReflectorsAtTheTimeOfTheirBeams) {
@@ -75,6 +90,21 @@ TEST(SweptScan, KnowsWhereTheSensorWasAtEachBeam) {
   const Pose2 T_map_beam = scan.poseAtBeam(360, {10.0, 20.0, kPi / 2.0});
   EXPECT_NEAR(T_map_beam.x_m, 10.25, 1e-12);
   EXPECT_NEAR(T_map_beam.y_m, 20.0, 1e-12);
+}
+
+TEST(SweptScan, TakesTheTimesOfBeamsWhereTheyAreTold) {
+  SweepMotion motion;
+  motion.pieces = {{0.0, 5.0, 0.0, 0.0}};
+  LaserScan scan = turnOf(AnalyticLaser());
+  scan.time_increment_s = 0.0;
+  scan.beam_times_s.resize(kBeams);
+  for (std::size_t i = 0; i < kBeams; ++i) {  // clockwise
+    scan.beam_times_s[i] = static_cast<float>(kTurn_s * static_cast<double>(kBeams - i) / kBeams);
+  }
+  scan = sweptScan(std::move(scan), motion, {});
+  ASSERT_EQ(scan.T_stamp_beam.size(), std::size_t{kBeams});
+  EXPECT_NEAR(scan.T_stamp_beam[0].x_m, 5.0 * kTurn_s, 1e-6);
+  EXPECT_NEAR(scan.T_stamp_beam[540].x_m, 0.25 * 5.0 * kTurn_s, 1e-6);
 }
 
 TEST(SweptScan, StaysAsItIsWhereNothingMovedOrNoTimeIsTold) {

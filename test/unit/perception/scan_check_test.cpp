@@ -84,6 +84,18 @@ TEST(ScanProblem, NamesWrongLengths) {
   EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("ranges is empty")));
 }
 
+TEST(ScanProblem, NamesTimesOfBeamsThatMakeNoSense) {
+  LaserScan scan = goodScan();
+  scan.beam_times_s.assign(361, 0.05F);
+  EXPECT_EQ(scanProblem(scan), std::nullopt);
+  for (const float wrong_s : {kNanF, -0.01F, 1.1F}) {
+    scan.beam_times_s[7] = wrong_s;
+    EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("s after the stamp; it must be 0 to 1 s")));
+  }
+  scan.beam_times_s.assign(360, 0.05F);
+  EXPECT_THAT(scanProblem(scan), Optional(HasSubstr("times are known for 360 of 361 beams")));
+}
+
 TEST(InvalidRanges, CountsNegativeRangesOnly) {
   LaserScan scan = goodScan();
   scan.ranges_m = {kInfF, -kInfF, kNanF, -1.0F, 0.0F, 3.0F, -0.001F};

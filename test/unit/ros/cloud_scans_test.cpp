@@ -1,6 +1,7 @@
 #include "ros/cloud_scans.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 
+#include "perception/scan_check.h"
 #include "ros/event_reader.h"
 
 namespace hymm {
@@ -60,8 +62,9 @@ class PointClouds : public testing::Test {
   SensorMountings mountings() { return SensorMountings(tf_, "base_link", std::nullopt, kWait_s); }
 
   std::string problemOf(const sensor_msgs::PointCloud2& cloud) {
-    return scanOfCloud(cloud, mountings().findInSpace("lidar", 0.0), core::PointCloudConfig())
-        .problem;
+    const auto remarks =
+        scanOfCloud(cloud, mountings().findInSpace("lidar", 0.0), core::PointCloudConfig()).remarks;
+    return remarks.empty() ? "" : remarks.front().problem;
   }
 
   tf2::BufferCore tf_;
@@ -76,8 +79,8 @@ TEST_F(PointClouds, BecomeScansOfTheirStamp) {
   ASSERT_THAT(scans, SizeIs(1));
   EXPECT_EQ(scans[0]->header.stamp, ros::Time(12.25));
   EXPECT_EQ(scans[0]->header.frame_id, "lidar");
-  EXPECT_THAT(scans[0]->ranges, Contains(FloatNear(5.0F, 1e-5F)));
-  EXPECT_THAT(scans[0]->ranges, Not(Contains(FloatNear(3.0F, 0.1F))));  // the ground
+  EXPECT_THAT(scans[0]->scan.ranges_m, Contains(FloatNear(5.0F, 1e-5F)));
+  EXPECT_THAT(scans[0]->scan.ranges_m, Not(Contains(FloatNear(3.0F, 0.1F))));  // the ground
 }
 
 TEST_F(PointClouds, OfATiltedSensorAreRightedByTf) {
@@ -165,9 +168,130 @@ TEST_F(PointClouds, OfDoublesInBigEndianRowsWithPaddingAreRead) {
   scans_.add(boost::make_shared<sensor_msgs::PointCloud2>(cloud));
   const auto scans = scans_.takeReady(0.0);
   ASSERT_THAT(scans, SizeIs(1));
-  EXPECT_EQ(std::count_if(scans[0]->ranges.begin(), scans[0]->ranges.end(),
+  EXPECT_EQ(std::count_if(scans[0]->scan.ranges_m.begin(), scans[0]->scan.ranges_m.end(),
                           [](float range) { return range == 6.0F || range == 5.0F; }),
             2);
+}
+
+/// A cloud with a point on the left, measured first, and one on the right, whose field of times
+/// holds `first` and `last`.
+template <class Number>
+boost::shared_ptr<sensor_msgs::PointCloud2> timedCloud(const std::string& name,
+                                                       std::uint8_t datatype, Number first,
+                                                       Number last, bool big_endian = false) {
+  auto cloud = cloudOf({});
+  cloud->fields.resize(4);
+  cloud->fields[3].name = name;
+  cloud->fields[3].datatype = datatype;
+  cloud->fields[3].count = 1U;
+  cloud->fields[3].offset = 3U * sizeof(float);
+  cloud->point_step = 3U * sizeof(float) + sizeof(Number);
+  cloud->width = 2U;
+  cloud->row_step = 2U * cloud->point_step;
+  cloud->is_bigendian = big_endian ? 1U : 0U;
+  cloud->data.clear();
+  const auto put = [&](auto value) {
+    std::uint8_t bytes[sizeof(value)];
+    std::memcpy(bytes, &value, sizeof(value));
+    if (big_endian) std::reverse(bytes, bytes + sizeof(value));
+    cloud->data.insert(cloud->data.end(), bytes, bytes + sizeof(value));
+  };
+  for (const float y : {5.0F, -5.0F}) {
+    for (const float value : {0.0F, y, -0.5F}) put(value);
+    put(y > 0.0F ? first : last);
+  }
+  return cloud;
+}
+
+/// When the beams that met the two points were measured, by the clock of the stamp.
+std::array<double, 2> timesOf(const HeadedScan& scan) {
+  std::array<double, 2> times{};
+  for (std::size_t i = 0; i < scan.scan.ranges_m.size(); ++i) {
+    if (!std::isfinite(scan.scan.ranges_m[i])) continue;
+    times[std::sin(scan.scan.bearing(i)) > 0.0 ? 0 : 1] =
+        scan.scan.time_s + scan.scan.beamTime_s(i);
+  }
+  return times;
+}
+
+TEST_F(PointClouds, TellWhenTheirPointsWereMeasuredAsTheirDriversDo) {
+  using Field = sensor_msgs::PointField;
+  mount();
+  const std::vector<sensor_msgs::PointCloud2::ConstPtr> clouds = {
+      timedCloud<float>("time", Field::FLOAT32, 0.02F, 0.09F),
+      timedCloud<float>("time", Field::FLOAT32, 0.02F, 0.09F, true),
+      timedCloud<std::uint32_t>("t", Field::UINT32, 20000000U, 90000000U),
+      timedCloud<std::uint32_t>("offset_time", Field::UINT32, 20000000U, 90000000U),
+      timedCloud<double>("timestamp", Field::FLOAT64, 12.27, 12.34),
+      timedCloud<double>("timestamp", Field::FLOAT64, 12.27e9, 12.34e9),
+      timedCloud<double>("time", Field::FLOAT64, 0.02, 0.09)};
+  for (const auto& cloud : clouds) {
+    SCOPED_TRACE(cloud->fields[3].name);
+    scans_.add(cloud);
+    const auto scans = scans_.takeReady(0.0);
+    ASSERT_THAT(scans, SizeIs(1));
+    EXPECT_EQ(scans[0]->header.stamp, ros::Time(12.25));
+    EXPECT_EQ(scanProblem(scans[0]->scan), std::nullopt);
+    ASSERT_FALSE(scans[0]->scan.beam_times_s.empty());
+    EXPECT_NEAR(timesOf(*scans[0])[0], 12.27, 1e-6);
+    EXPECT_NEAR(timesOf(*scans[0])[1], 12.34, 1e-6);
+  }
+  EXPECT_EQ(causes_.total(), 0U);
+}
+
+TEST_F(PointClouds, StampedAtTheirLastPointAreScansOfTheirFirst) {
+  // velodyne_pointcloud does so unless timestamp_first_packet says otherwise.
+  mount();
+  const auto cloud = timedCloud<float>("time", sensor_msgs::PointField::FLOAT32, -0.09F, -0.01F);
+  scans_.add(cloud);
+  const auto scans = scans_.takeReady(0.0);
+  ASSERT_THAT(scans, SizeIs(1));
+  EXPECT_NEAR(scans[0]->header.stamp.toSec(), 12.16, 1e-6);
+  EXPECT_EQ(scans[0]->header.stamp.toSec(), scans[0]->scan.time_s);
+  EXPECT_EQ(scans[0]->told_stamp, ros::Time(12.25));
+  EXPECT_NEAR(timesOf(*scans[0])[0], 12.16, 1e-6);
+  EXPECT_NEAR(timesOf(*scans[0])[1], 12.24, 1e-6);
+
+  EventReader unbelieving(mountings(), GpsConverter({0.0, 0.0}), core::PointCloudConfig(), false,
+                          causes_);
+  const auto event =
+      unbelieving.read(SensorMessage(sensor_msgs::PointCloud2::ConstPtr(cloud)), 0.0).event;
+  ASSERT_TRUE(event);
+  EXPECT_EQ(std::get<core::ScanEvent>(*event).scan.time_s, 12.25);
+  EXPECT_EQ(std::get<core::ScanEvent>(*event).scan.sweep_s(), 0.0);
+}
+
+TEST_F(PointClouds, WithSenselessTimesCountAsMeasuredAtTheirStamp) {
+  using Field = sensor_msgs::PointField;
+  mount();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<sensor_msgs::PointCloud2::ConstPtr> clouds = {
+      timedCloud<float>("time", Field::FLOAT32, 0.0F, 100.0F),  // milliseconds
+      timedCloud<float>("time", Field::FLOAT32, nan, 0.1F),
+      timedCloud<double>("timestamp", Field::FLOAT64, 1.7e9, 1.7e9),  // another clock
+      timedCloud<std::uint32_t>("t", Field::UINT32, 0U, 4000000000U),
+      timedCloud<std::uint32_t>("t", Field::UINT8, 0U, 1U)};
+  for (const auto& cloud : clouds) {
+    scans_.add(cloud);
+    const auto scans = scans_.takeReady(0.0);
+    ASSERT_THAT(scans, SizeIs(1));
+    EXPECT_EQ(scans[0]->scan.time_s, 12.25);
+    EXPECT_EQ(scans[0]->scan.sweep_s(), 0.0);
+  }
+  EXPECT_EQ(causes_.counts().at("point clouds with senseless times of points"), clouds.size());
+  EXPECT_THAT(problemOf(*clouds[0]), HasSubstr("'time' says 100, which is no time within 0.5 s"));
+}
+
+TEST_F(PointClouds, PointsOfTheVehicleNeedNoTime) {
+  mount();
+  const auto cloud = timedCloud<float>("time", sensor_msgs::PointField::FLOAT32, 0.01F, 100.0F);
+  const float near = -0.1F;  // y of the second point
+  std::memcpy(cloud->data.data() + cloud->point_step + sizeof(float), &near, sizeof(near));
+  scans_.add(cloud);
+  const auto scans = scans_.takeReady(0.0);
+  ASSERT_THAT(scans, SizeIs(1));
+  EXPECT_EQ(causes_.total(), 0U);
+  EXPECT_NEAR(scans[0]->scan.sweep_s(), 0.01, 1e-6);
 }
 
 TEST_F(PointClouds, BelowTheHeightsOfObstaclesAreScansWithoutAnyAndAreTold) {
@@ -183,7 +307,7 @@ TEST_F(PointClouds, WithoutPointsSayNothing) {
   scans_.add(cloudOf({}));
   const auto scans = scans_.takeReady(0.0);
   ASSERT_THAT(scans, SizeIs(1));
-  for (const float range : scans[0]->ranges) EXPECT_TRUE(std::isnan(range));
+  for (const float range : scans[0]->scan.ranges_m) EXPECT_TRUE(std::isnan(range));
 }
 
 TEST_F(PointClouds, WaitForTfAndAreThenTakenInOrder) {

@@ -267,5 +267,25 @@ TEST_F(EventReaderTest, ATimeIncrementThatMakesNoSenseIsIgnoredAndCounted) {
   EXPECT_THAT(causes_.counts(), ElementsAre(Pair("scans with an unusable time_increment", 3U)));
 }
 
+TEST_F(EventReaderTest, ATurningLaserThatDoesNotTellItsTimesIsToldWithWhatThisCosts) {
+  const auto motion = stamped<DeadReckoning>("base_link");
+  motion->speed = 12.0;
+  reader_.read(SensorMessage(DeadReckoning::ConstPtr(motion)), 0.0);
+  const auto message = stamped<sensor_msgs::LaserScan>("laser");
+  message->ranges.assign(360, 5.0F);
+  message->angle_increment = static_cast<float>(core::kPi / 180.0);
+  reader_.read(SensorMessage(sensor_msgs::LaserScan::ConstPtr(message)), 0.0);
+  EXPECT_EQ(reader_.summary(), "");  // nothing says that it turns
+  message->scan_time = 0.1F;
+  reader_.read(SensorMessage(sensor_msgs::LaserScan::ConstPtr(message)), 0.0);
+  EXPECT_THAT(reader_.summary(), HasSubstr("moved up to 1.2 m during a scan of frame 'laser'"));
+  EXPECT_THAT(causes_.counts(), ElementsAre(Pair(HasSubstr("without the times of beams"), 1U)));
+
+  const auto told = boost::make_shared<sensor_msgs::LaserScan>(*message);
+  told->time_increment = 0.1F / 360.0F;
+  reader_.read(SensorMessage(sensor_msgs::LaserScan::ConstPtr(told)), 0.0);
+  EXPECT_EQ(causes_.total(), 1U);
+}
+
 }  // namespace
 }  // namespace hymm

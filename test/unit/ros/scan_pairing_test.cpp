@@ -1,6 +1,7 @@
 #include "ros/scan_pairing.h"
 
 #include <algorithm>
+#include <memory>
 #include <string>
 
 #include <boost/make_shared.hpp>
@@ -10,9 +11,9 @@ namespace hymm {
 namespace {
 
 /// Messages of the scan at `second`, whose map version is `version`.
-sensor_msgs::LaserScan::ConstPtr scanAt(double second) {
-  auto scan = boost::make_shared<sensor_msgs::LaserScan>();
-  scan->header.stamp = ros::Time(second);
+HeadedScan::ConstPtr scanAt(double second) {
+  auto scan = std::make_shared<HeadedScan>();
+  scan->header.stamp = scan->told_stamp = ros::Time(second);
   return scan;
 }
 
@@ -215,6 +216,22 @@ TEST(ScanPairing, MemoryIsBoundedAndDropsAreCounted) {
   for (int i = 0; i < 6000; ++i) pairing.add(scanAt(1.0 + 0.1 * i));
   EXPECT_EQ(pairing.counts().dropped_scans, 1000u);
   EXPECT_EQ(pairing.counts().overflows, 1000u);
+}
+
+TEST(ScanPairing, FindsACloudByTheStampOfItsFirstPointOrByTheOneThatWasTold) {
+  // A filter that does not use the times of points takes the cloud as of the stamp told.
+  for (const double pose_s : {4.9, 5.0}) {
+    ScanPairing pairing;
+    auto scan = std::make_shared<HeadedScan>();
+    scan->header.stamp = ros::Time(4.9);
+    scan->told_stamp = ros::Time(5.0);
+    pairing.add(scan);
+    pairing.add(poseAt(pose_s, 7), 0.0);
+    pairing.add(updateAt(pose_s, 7));
+    const std::optional<PairedScan> paired = pairing.next(0.0, true);
+    ASSERT_TRUE(paired.has_value());
+    EXPECT_EQ(paired->scan, scan) << pose_s;
+  }
 }
 
 }  // namespace
