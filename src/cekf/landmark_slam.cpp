@@ -97,7 +97,7 @@ void LandmarkSlam::reset() {
   past_worker_s_ += estimate_.filter.workerCpu_s();
   estimate_ = newEstimate();
   settled_updates_ = 0;
-  last_scan_s_ = -std::numeric_limits<double>::infinity();
+  scan_clock_ = ScanClock();
   use_ = MapUse::kExtend;
   is_just_loaded_ = false;
 }
@@ -117,7 +117,7 @@ std::optional<ScanOutcome> LandmarkSlam::process(const SensorEvent& event) {
   const auto start = std::chrono::steady_clock::now();
   Sight sight = see(event);
   if (sight.set) goOnAfterLoad(sight.set->time_s);
-  sight.mustBeLaterThan(last_scan_s_);
+  sight.mustBeNewTo(scan_clock_);
   if (!sight.set) return refuse(sight);
   const CpuTimer timer(cpu_times_.filter_s);
   return processSet(std::move(sight), start);
@@ -147,8 +147,8 @@ LandmarkSlam::Sight LandmarkSlam::see(const SensorEvent& event) {
   return sight;
 }
 
-void LandmarkSlam::Sight::mustBeLaterThan(double time_s) {
-  if (!set || set->time_s > time_s) return;
+void LandmarkSlam::Sight::mustBeNewTo(const ScanClock& clock) {
+  if (!set || clock.takes(set->time_s, set->T_base_sensor)) return;
   set.reset();
   problem = scan != nullptr ? "the scan is not later than the last one"
                             : "the observations are not later than the last ones";
@@ -233,7 +233,7 @@ ScanAssociation LandmarkSlam::associate(const ObservationSet& set) {
 void LandmarkSlam::begin(Sight& sight) {
   ObservationSet& set = *sight.set;
   refuseUnusable(set);
-  last_scan_s_ = set.time_s;
+  scan_clock_.note(set.time_s, set.T_base_sensor);
   ++version_;
   life_cycle_.pin(pins_.at(set.time_s));
   if (!estimate_.vehicle.hasInput()) ++counts_.scans_without_motion;
@@ -390,7 +390,7 @@ void LandmarkSlam::keepActiveArea() {
   const double worker_s = estimate_.filter.workerCpu_s();
   if (area_.follow(VehicleState::pose(estimate_.filter).position())) {
     const bool drops = use_ == MapUse::kExtend;
-    if (drops) life_cycle_.dropUnconfirmed(last_scan_s_, estimate_.filter);
+    if (drops) life_cycle_.dropUnconfirmed(lastScan_s(), estimate_.filter);
   }
   refreshIfSettled();
   area_.updateIfDue(estimate_.filter);
@@ -408,7 +408,7 @@ void LandmarkSlam::holdGlobalUpdates(bool hold) {
 
 LocalStateRing::Memory LandmarkSlam::remembered() const {
   return std::make_shared<const FilterMemory>(
-      FilterMemory{last_scan_s_, estimate_.vehicle, estimate_.filter.localState(), estimate_.gps,
+      FilterMemory{scan_clock_, estimate_.vehicle, estimate_.filter.localState(), estimate_.gps,
                    life_cycle_, scan_update_, area_, settled_updates_});
 }
 
@@ -419,7 +419,7 @@ void LandmarkSlam::recall(const FilterMemory& memory) {
   scan_update_ = memory.scan_update;
   area_ = memory.area;
   settled_updates_ = memory.settled_updates;
-  last_scan_s_ = memory.last_scan_s;
+  scan_clock_ = memory.scan_clock;
 }
 
 }  // namespace hymm::core

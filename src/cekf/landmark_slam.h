@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +16,7 @@
 #include "cekf/landmark_pins.h"
 #include "cekf/local_state_ring.h"
 #include "cekf/scan_associator.h"
+#include "cekf/scan_clock.h"
 #include "cekf/scan_update.h"
 #include "cekf/vehicle_state.h"
 #include "perception/perception.h"
@@ -47,7 +47,8 @@ class LandmarkSlam {
   void setVersion(std::uint64_t version) { version_ = version; }
   std::size_t landmarkCount() const { return life_cycle_.registry().size(); }
   bool hasLandmark(int id) const { return life_cycle_.registry().contains(id); }
-  double lastScan_s() const { return last_scan_s_; }
+  double lastScan_s() const { return scan_clock_.last_s(); }
+  const ScanClock& scanClock() const { return scan_clock_; }
 
   void requestMap(double block_range_m, std::function<void(LandmarkMap)> take);
   bool requestJointLandmarks(const std::vector<int>& ids, std::function<void(JointLandmarks)> take);
@@ -80,8 +81,8 @@ class LandmarkSlam {
     SweepMotion sweep;                                           ///< of the vehicle meanwhile
     std::shared_ptr<const LaserScan> swept;                      ///< with the sensor's motion
 
-    /// Cannot be used if it is not.
-    void mustBeLaterThan(double time_s);
+    /// Cannot be used if it is not new.
+    void mustBeNewTo(const ScanClock& clock);
     /// Takes observations to the stamp, where the vehicle is now, if they were made after it.
     void undoSweep(const VehicleState& vehicle, const CompressedEkf& filter);
   };
@@ -155,7 +156,7 @@ class LandmarkSlam {
   std::size_t settled_updates_ = 0;  ///< global updates whose places life_cycle_ knows
   std::uint64_t version_ = 0;
   std::uint64_t told_version_ = 0;  ///< up to which takeUpdate() has told
-  double last_scan_s_ = -std::numeric_limits<double>::infinity();
+  ScanClock scan_clock_;
   MapUse use_ = MapUse::kExtend;
   bool is_just_loaded_ = false;
   std::size_t past_gaps_ = 0;

@@ -13,7 +13,9 @@ constexpr std::uint32_t kStateVersion = 4;
 
 template <class Archive>
 void LandmarkSlam::describeState(Archive& archive) {
-  archive(version_, last_scan_s_, settled_updates_, life_cycle_, pins_, area_);
+  double last_scan_s = lastScan_s();
+  archive(version_, last_scan_s, settled_updates_, life_cycle_, pins_, area_);
+  if (last_scan_s != lastScan_s()) scan_clock_ = ScanClock(last_scan_s);
   if (estimate_.gps) archive(*estimate_.gps);
 }
 
@@ -78,7 +80,7 @@ void LandmarkSlam::goOnAfterLoad(double time_s) {
   const double saved_s = estimate_.vehicle.time_s();
   if (time_s >= saved_s && time_s <= saved_s + estimate_.vehicle.holdLimit_s()) return;
   estimate_.vehicle.restartClock();
-  last_scan_s_ = -std::numeric_limits<double>::infinity();
+  scan_clock_ = ScanClock();
   life_cycle_.beginSession(std::isfinite(saved_s) ? time_s - saved_s : 0.0);
   pins_.beginSession();
 }

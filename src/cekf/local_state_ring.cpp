@@ -36,7 +36,9 @@ bool LocalStateRing::noteScan(double time_s) {
   const auto scan = std::find_if(events_.rbegin(), events_.rend(),
                                  [](const KeptEvent& e) { return isScan(*e.event); });
   if (scan != events_.rend() && timeOf(*scan->event) == time_s) scan->is_scan = true;
-  const auto age_s = [&](const KeptMemory& kept) { return time_s - kept.memory->last_scan_s; };
+  const auto age_s = [&](const KeptMemory& kept) {
+    return time_s - kept.memory->scan_clock.last_s();
+  };
   while (memories_.size() > 1 && age_s(memories_[1]) >= duration_s_ - kSameStamp_s) dropOldest();
   return age_s(memories_.back()) >= duration_s_ / kParts - kSameStamp_s;
 }
@@ -53,12 +55,12 @@ std::size_t LocalStateRing::scanCount() const {
 
 std::optional<LocalStateRing::Way> LocalStateRing::findWay(double time_s) const {
   const auto later = std::find_if(memories_.begin(), memories_.end(), [&](const KeptMemory& m) {
-    return m.memory->last_scan_s > time_s && !isSame(m.memory->last_scan_s, time_s);
+    return m.memory->scan_clock.last_s() > time_s && !isSame(m.memory->scan_clock.last_s(), time_s);
   });
   if (later == memories_.begin()) return std::nullopt;
   const KeptMemory& from = *std::prev(later);
   Way way{from.memory, {}, {}, from.next_event};
-  bool found = isSame(from.memory->last_scan_s, time_s);
+  bool found = isSame(from.memory->scan_clock.last_s(), time_s);
   for (std::size_t i = from.next_event; i < endOfEvents(); ++i) {
     const KeptEvent& kept = event(i);
     (found ? way.since : way.to_scan).push_back(kept.event);
@@ -110,8 +112,8 @@ void LocalStateRing::clear() {
 std::optional<LocalStateSpan> LocalStateRing::span() const {
   if (memories_.empty()) return std::nullopt;
   LocalStateSpan span;
-  span.oldest_s = memories_.front().memory->last_scan_s;
-  span.newest_s = memories_.back().memory->last_scan_s;
+  span.oldest_s = memories_.front().memory->scan_clock.last_s();
+  span.newest_s = memories_.back().memory->scan_clock.last_s();
   for (const KeptEvent& kept : events_) {
     if (kept.is_scan) span.newest_s = std::max(span.newest_s, timeOf(*kept.event));
   }

@@ -11,6 +11,7 @@
 #include "cekf/landmark_life_cycle.h"
 #include "cekf/local_state.h"
 #include "cekf/resumption.h"
+#include "cekf/scan_clock.h"
 #include "cekf/scan_update.h"
 #include "cekf/vehicle_state.h"
 #include "pipeline/sensor_event.h"
@@ -19,7 +20,7 @@ namespace hymm::core {
 
 /// Everything of a filter that goes back with it, but what its global updates have carried out.
 struct FilterMemory {
-  double last_scan_s = 0.0;
+  ScanClock scan_clock;
   VehicleState vehicle;
   LocalState filter;
   std::optional<GpsDatum> gps;

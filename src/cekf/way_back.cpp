@@ -76,7 +76,7 @@ std::optional<ScanOutcome> WayBack::wait(const SensorEvent& event) {
   if (std::holds_alternative<GpsFix>(event)) return std::nullopt;
   const auto start = std::chrono::steady_clock::now();
   LandmarkSlam::Sight sight = slam_.see(event);
-  sight.mustBeLaterThan(waiting_->last_scan_s);
+  sight.mustBeNewTo(waiting_->scan_clock);
   if (!sight.set) return slam_.refuse(sight);
   const CpuTimer timer(slam_.filterCpu_s());
   return waitThrough(std::move(sight), start);
@@ -88,7 +88,7 @@ ScanOutcome WayBack::waitThrough(LandmarkSlam::Sight sight, LandmarkSlam::Instan
   ObservationSet& set = *sight.set;
   outcome.accepted = outcome.suspended = true;
   slam_.refuseUnusable(set);
-  waiting_->last_scan_s = set.time_s;
+  waiting_->scan_clock.note(set.time_s, set.T_base_sensor);
   waiting_->vehicle.moveTo(waiting_->filter, set.time_s);
   sight.undoSweep(waiting_->vehicle, waiting_->filter);
   CekfSlam::Counts& counts = slam_.eventCounts();
@@ -171,7 +171,7 @@ bool WayBack::suspend(double time_T0_s) {
   const CompressedEkf& filter = slam_.filter();
   waiting_.emplace(Waiting{slam_.vehicle(),
                            CompressedEkf(filter.vehicle(), filter.vehicleCovariance()),
-                           slam_.lastScan_s()});
+                           slam_.scanClock()});
   replay(way->since);
   return true;
 }
@@ -259,7 +259,7 @@ void WayBack::beginElsewhere(const Pose2& T_map_base) {
 /// What a kept event shows, if it can still be processed.
 LandmarkSlam::Sight WayBack::seeAgain(const SensorEvent& event) {
   LandmarkSlam::Sight sight = slam_.see(event);
-  sight.mustBeLaterThan(slam_.lastScan_s());
+  sight.mustBeNewTo(slam_.scanClock());
   return sight;
 }
 

@@ -38,7 +38,7 @@ class WayBack {
   struct Waiting {
     VehicleState vehicle;
     CompressedEkf filter;
-    double last_scan_s;
+    ScanClock scan_clock;
   };
 
   std::optional<ScanOutcome> apply(const SensorEvent& event);

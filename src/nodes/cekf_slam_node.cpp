@@ -150,6 +150,8 @@ void CekfSlamNode::process(const core::SensorEvent& event) {
   } else if (outcome && outcome->accepted) {
     finish(*outcome);
   } else if (outcome) {
+    // Its header must not be taken for that of another sensor's scan of the same stamp.
+    scan_headers_.take(core::timeOf(event));
     causes_.count(causeOf(outcome->reason), "A scan is refused: " + outcome->reason);
   }
 }

@@ -23,6 +23,13 @@ bool makeRoom(Queue& queue, std::size_t most) {
 }  // namespace
 
 void ScanPairing::add(const HeadedScan::ConstPtr& scan) {
+  // The filter takes one scan of a stamp from each sensor.
+  if (scan->header.stamp != newest_stamp_) newest_frames_.clear();
+  newest_stamp_ = scan->header.stamp;
+  if (!newest_frames_.insert(scan->header.frame_id).second) {
+    ++counts_.unused_scans;
+    return;
+  }
   if (makeRoom(scans_, kMostWaiting)) {
     ++counts_.overflows;
     ++counts_.dropped_scans;
@@ -168,6 +175,7 @@ void ScanPairing::forgetScansBeforeJump() {
 
 void ScanPairing::clear() {
   scans_.clear();
+  newest_frames_.clear();
   poses_.clear();
   updates_.clear();
   maps_.clear();

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <set>
+#include <string>
 
 #include <hymm/FilterPose.h>
 #include <hymm/LandmarkMap.h>
@@ -71,6 +73,8 @@ class ScanPairing {
   void forgetScansBeforeJump();
 
   std::deque<HeadedScan::ConstPtr> scans_;
+  ros::Time newest_stamp_;               ///< of the scan that came last
+  std::set<std::string> newest_frames_;  ///< that brought scans of that stamp
   std::deque<Arrived> poses_;
   std::deque<LandmarkUpdate::ConstPtr> updates_;
   std::deque<LandmarkMap::ConstPtr> maps_;

@@ -98,6 +98,19 @@ TEST(CekfSlam, RefusesSetsThatAreNotLater) {
   EXPECT_EQ(slam.counts().refused_scans, 1U);
 }
 
+TEST(CekfSlam, TakesOneScanOfAStampFromEachSensor) {
+  CekfSlam slam = stationarySlam(3);
+  ObservationSet front = threeLandmarks(5.0), rear = front;
+  rear.T_base_sensor = {-0.5, 0.0, kPi};
+  EXPECT_TRUE(slam.process(front)->accepted);
+  EXPECT_TRUE(slam.process(rear)->accepted);
+  EXPECT_FALSE(slam.process(front)->accepted);
+  EXPECT_FALSE(slam.process(rear)->accepted);
+  EXPECT_EQ(slam.counts().refused_scans, 2U);
+  front.time_s = 5.5;
+  EXPECT_TRUE(slam.process(front)->accepted);
+}
+
 TEST(CekfSlam, RefusesUnusableObservationsAndGoesOn) {
   CekfSlam slam = stationarySlam(4);
   ObservationSet set = threeLandmarks(5.0);

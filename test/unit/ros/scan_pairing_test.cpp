@@ -11,9 +11,10 @@ namespace hymm {
 namespace {
 
 /// Messages of the scan at `second`, whose map version is `version`.
-HeadedScan::ConstPtr scanAt(double second) {
+HeadedScan::ConstPtr scanAt(double second, const std::string& frame = "laser") {
   auto scan = std::make_shared<HeadedScan>();
   scan->header.stamp = scan->told_stamp = ros::Time(second);
+  scan->header.frame_id = frame;
   return scan;
 }
 
@@ -231,6 +232,22 @@ TEST(ScanPairing, FindsACloudByTheStampOfItsFirstPointOrByTheOneThatWasTold) {
     const std::optional<PairedScan> paired = pairing.next(0.0, true);
     ASSERT_TRUE(paired.has_value());
     EXPECT_EQ(paired->scan, scan) << pose_s;
+  }
+}
+
+TEST(ScanPairing, TakesOneScanOfAStampFromEachSensor) {
+  ScanPairing pairing;
+  pairing.add(scanAt(5.0, "front"));
+  pairing.add(scanAt(5.0, "front"));  // the filter refuses it
+  pairing.add(scanAt(5.0, "rear"));
+  EXPECT_EQ(pairing.counts().unused_scans, 1U);
+  for (const std::string frame : {"front", "rear"}) {
+    const std::uint64_t version = frame == "front" ? 7 : 8;
+    pairing.add(poseAt(5.0, version), 0.0);
+    pairing.add(updateAt(5.0, version));
+    const std::optional<PairedScan> paired = pairing.next(0.0, true);
+    ASSERT_TRUE(paired.has_value());
+    EXPECT_EQ(paired->scan->header.frame_id, frame);
   }
 }
 
