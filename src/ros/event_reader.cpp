@@ -90,6 +90,13 @@ void EventReader::checkScan(const sensor_msgs::LaserScan& message, core::LaserSc
                       " has negative ranges, which mean nothing (REP-117); these beams are "
                       "taken for ones without a measurement.");
   }
+  if (!message.intensities.empty() && message.intensities.size() != message.ranges.size()) {
+    causes_.count("scans whose intensities are not as many as their ranges",
+                  a_scan + " has " + std::to_string(message.intensities.size()) +
+                      " intensities for " + std::to_string(message.ranges.size()) +
+                      " ranges; the ranges are used, the intensities are not: reflectors cannot be "
+                      "seen in it.");
+  }
   if (!use_time_increment_) scan.time_increment_s = 0.0;
   if (const auto problem = core::sweepProblem(scan, static_cast<double>(message.scan_time))) {
     scan.time_increment_s = 0.0;

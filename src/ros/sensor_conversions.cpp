@@ -47,7 +47,8 @@ core::LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
   scan.range_min_m = static_cast<double>(message.range_min);
   scan.range_max_m = static_cast<double>(message.range_max);
   scan.ranges_m = message.ranges;
-  scan.intensities = message.intensities;
+  // Those of another length cannot be told of beams.
+  if (message.intensities.size() == message.ranges.size()) scan.intensities = message.intensities;
   return scan;
 }
 

@@ -18,6 +18,7 @@ namespace hymm {
 /// The type of a message's TYPE_* constant; unknown for any other value.
 core::LandmarkType landmarkType(std::uint8_t value);
 
+/// Without intensities if they are not as many as ranges.
 core::LaserScan fromMessage(const sensor_msgs::LaserScan& message);
 sensor_msgs::LaserScan toMessage(const core::LaserScan& scan, const std::string& frame_id);
 

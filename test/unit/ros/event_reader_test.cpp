@@ -287,5 +287,20 @@ TEST_F(EventReaderTest, ATurningLaserThatDoesNotTellItsTimesIsToldWithWhatThisCo
   EXPECT_EQ(causes_.total(), 1U);
 }
 
+TEST_F(EventReaderTest, IntensitiesOfAnotherLengthThanRangesAreLeftOutAndTold) {
+  const auto message = stamped<sensor_msgs::LaserScan>("laser");
+  message->ranges.assign(100, 5.0F);
+  message->intensities.assign(100, 7.0F);
+  EXPECT_EQ(scanOf(reader_, message).intensities.size(), 100U);
+  message->intensities.resize(0);
+  EXPECT_EQ(scanOf(reader_, message).ranges_m.size(), 100U);
+  EXPECT_EQ(causes_.total(), 0U);
+  message->intensities.resize(1);
+  const core::LaserScan scan = scanOf(reader_, message);
+  EXPECT_EQ(scan.ranges_m.size(), 100U);
+  EXPECT_TRUE(scan.intensities.empty());
+  EXPECT_THAT(causes_.counts(), ElementsAre(Pair(HasSubstr("intensities"), 1U)));
+}
+
 }  // namespace
 }  // namespace hymm
