@@ -302,5 +302,21 @@ TEST_F(EventReaderTest, IntensitiesOfAnotherLengthThanRangesAreLeftOutAndTold) {
   EXPECT_THAT(causes_.counts(), ElementsAre(Pair(HasSubstr("intensities"), 1U)));
 }
 
+TEST_F(EventReaderTest, AFixWithACovarianceOfZeroIsTakenWithAnAssumedOneAndTold) {
+  auto message = stamped<sensor_msgs::NavSatFix>("gps");
+  message->latitude = -33.0;
+  message->longitude = 151.0;
+  message->position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_KNOWN;
+  const auto event = reader_.read(sensor_msgs::NavSatFix::ConstPtr(message), 0.0).event;
+  ASSERT_TRUE(event);
+  EXPECT_EQ(std::get<core::GpsFix>(*event).covariance(0, 0),
+            GpsConverter::kAssumedDeviation_m * GpsConverter::kAssumedDeviation_m);
+  EXPECT_THAT(causes_.counts(), Contains(Pair("GPS fix without covariance", 1U)));
+
+  message->position_covariance[0] = 0.04;  // but the other axis is 0
+  EXPECT_FALSE(reader_.read(sensor_msgs::NavSatFix::ConstPtr(message), 0.0).event);
+  EXPECT_THAT(causes_.counts(), Contains(Pair("GPS fix refused", 1U)));
+}
+
 }  // namespace
 }  // namespace hymm
