@@ -9,6 +9,8 @@ namespace {
 using Status = diagnostic_updater::DiagnosticStatusWrapper;
 using diagnostic_msgs::DiagnosticStatus;
 
+constexpr std::size_t kManyScans = 100;  // a drive may begin where there is no landmark yet
+
 void addObservations(const core::CekfSlam::Counts& counts, Status& status) {
   status.add("scans used", counts.scans);
   status.add("scans refused", counts.refused_scans);
@@ -67,6 +69,10 @@ void CekfSlamNode::diagnoseFilter(diagnostic_updater::DiagnosticStatusWrapper& s
   const core::CekfSlam::Counts counts = filter_.counts();
   status.summary(DiagnosticStatus::OK, std::to_string(filter_.landmarkCount()) + " landmarks");
   if (counts.scans == 0) status.mergeSummary(DiagnosticStatus::WARN, "No scan has been used");
+  if (counts.scans >= kManyScans && filter_.landmarkCount() == 0) {
+    status.mergeSummary(DiagnosticStatus::WARN, "No landmark in " + std::to_string(counts.scans) +
+                                                    " scans: the pose is dead reckoning");
+  }
   status.add("landmarks", filter_.landmarkCount());
   addObservations(counts, status);
   addGlobalUpdates(counts, filter_.cpuTimes().worker_s, status);

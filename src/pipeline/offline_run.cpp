@@ -21,6 +21,7 @@ OfflineRun::OfflineRun(const SuiteConfig& config, const std::vector<std::string>
       results_(results),
       merger_(config.cekf_slam.merger),
       filter_(config.cekf_slam, config.vehicle),
+      sights_(config.cekf_slam.perception),
       map_schedule_(config.cekf_slam),
       stages_(makeStages(nodes, config)),
       supervisor_(findSupervisor(stages_)) {
@@ -58,6 +59,7 @@ void OfflineRun::processReleased(const SensorEvent& event) {
   } else if (const auto* fix = std::get_if<GpsFix>(&event)) {
     results_.addGps(*fix);
   }
+  if (const auto* scan = std::get_if<ScanEvent>(&event)) sights_.take(scan->scan);
   for (const auto& stage : stages_) stage->takeEvent(event);
   if (std::holds_alternative<MotionInput>(event)) ++motion_inputs_;
   const std::optional<ScanOutcome> outcome = filter_.process(event);

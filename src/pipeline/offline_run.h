@@ -12,6 +12,7 @@
 #include "pipeline/observation_log.h"
 #include "pipeline/results_writer.h"
 #include "pipeline/sensor_merger.h"
+#include "pipeline/sight_report.h"
 #include "pipeline/suite_config.h"
 #include "pipeline/suite_stage.h"
 #include "pipeline/supervisor_stage.h"
@@ -74,6 +75,11 @@ class OfflineRun {
   /// What was refused or reset, by cause, and how often.
   std::map<std::string, std::size_t> incidents() const;
 
+  /// What it looked for in vain: sentences.
+  std::vector<std::string> remarks() const {
+    return sights_.sentences(filter_.counts(), filter_.landmarkCount());
+  }
+
  private:
   void processReleased(const SensorEvent& event);
   void finishScan(const SensorEvent& event, const ScanOutcome& outcome);
@@ -85,6 +91,7 @@ class OfflineRun {
   ObservationLog* log_ = nullptr;
   SensorMerger merger_;
   CekfSlam filter_;
+  SightReport sights_;
   MapSchedule map_schedule_;
   std::vector<std::unique_ptr<SuiteStage>> stages_;
   const SupervisorStage* supervisor_;  ///< one of the stages, if it runs

@@ -22,6 +22,7 @@ std::string counted(const std::string& what, std::size_t count) {
 
 void addIncidents(const core::OfflineRun& run, std::vector<std::string>& notes) {
   for (const auto& [what, count] : run.incidents()) notes.push_back(counted(what, count));
+  for (std::string& remark : run.remarks()) notes.push_back(std::move(remark));
 }
 
 EventReader eventReader(const tf2::BufferCore& tf, const core::SuiteConfig& config,
