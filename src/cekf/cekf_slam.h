@@ -46,7 +46,9 @@ class CekfSlam {
     std::size_t rejected = 0;
     std::size_t bounded_associations = 0;  ///< scans too dense for association.max_nodes
     std::size_t slips = 0;                 ///< scans that only a worse motion explained
-    std::size_t noisy_scans = 0;  ///< after a motion with at least twice the claimed deviations
+    std::size_t noisy_scans = 0;   ///< after a motion with at least twice the claimed deviations
+    std::size_t places_found = 0;  ///< scans that told where the vehicle is, by all landmarks
+    std::size_t scans_without_place = 0;  ///< of which nothing was made; see PlaceFinder
     std::size_t gps_used = 0;
     std::size_t gps_rejected = 0;
     std::size_t landmarks_created = 0;

@@ -130,6 +130,19 @@ void LandmarkConfig::describe(ConfigSchema& schema) {
                 "chi-square gate of their difference");
 }
 
+void PlaceFindingConfig::describe(ConfigSchema& schema) {
+  schema.number(
+      "linear_heading_rad", linear_heading_rad, Range::positive(),
+      "deviation of the heading, relative to the landmarks seen last, beyond which a scan "
+      "is not associated one by one: after a gap in the motion, say. It is looked for as a "
+      "whole among all landmarks");
+  schema.number("coincidence", coincidence, Range::between(1e-12, 1.0),
+                "a place is believed only if it is less likely than this that other objects stand "
+                "there by chance, and that another place explains the scan");
+  schema.number("hold_s", hold_s, Range::notNegative(),
+                "for so long nothing is mapped without a place; then a new part of the map begins");
+}
+
 void LastingErrorConfig::describe(ConfigSchema& schema) {
   schema.number("range_share", range_share, Range::between(0.0, 0.99),
                 "of the variance that an observation claims of its range, which lasts while the "
@@ -197,6 +210,7 @@ void CekfSlamConfig::describe(ConfigSchema& schema) {
   schema.group("update", update);
   schema.group("association", association);
   schema.group("slip", slip);
+  schema.group("place_finding", place_finding);
   schema.group("motion_noise", motion_noise);
   schema.group("landmarks", landmarks);
   schema.group("lasting_errors", lasting_errors);

@@ -54,6 +54,15 @@ struct SlipConfig {
   void describe(ConfigSchema& schema);
 };
 
+/// What is done where the heading is too uncertain for a filter, after a gap in a recording, say.
+struct PlaceFindingConfig {
+  double linear_heading_rad = 0.3;  ///< deviation, relative to the landmarks seen last
+  double coincidence = 0.001;       ///< below which a place counts as proven
+  double hold_s = 120.0;  ///< before what is seen becomes a new part of the map, without a place
+
+  void describe(ConfigSchema& schema);
+};
+
 /// How far the vehicle's configuration is believed about the noise of its motion.
 struct MotionNoiseConfig {
   double doubt = 0.4;  ///< by which deviations are more than claimed, one time in six; 0: never
@@ -130,6 +139,7 @@ struct CekfSlamConfig {
   UpdateConfig update;
   AssociationConfig association;
   SlipConfig slip;
+  PlaceFindingConfig place_finding;
   MotionNoiseConfig motion_noise;
   LandmarkConfig landmarks;
   LastingErrorConfig lasting_errors;

@@ -71,6 +71,7 @@ LandmarkSlam::LandmarkSlam(const CekfSlamConfig& config, const VehicleConfig& ve
       scan_update_(config.update.atFirstEstimates()
                        ? ScanUpdate(config.update.max_iterations, config.large_correction_m)
                        : ScanUpdate(config.update.max_iterations)),
+      place_finder_(config.place_finding, config.landmarks),
       life_cycle_(config),
       pins_(config.landmarks.pin_delay_s),
       area_(config.active_area),
@@ -91,6 +92,7 @@ void LandmarkSlam::reset() {
   ++counts_.resets;
   ++version_;
   life_cycle_.clear();
+  place_finder_ = PlaceFinder(config_.place_finding, config_.landmarks);
   pins_.clear();
   area_.reset();
   past_gaps_ += estimate_.vehicle.gaps();
@@ -118,6 +120,7 @@ std::optional<ScanOutcome> LandmarkSlam::process(const SensorEvent& event) {
   Sight sight = see(event);
   if (sight.set) goOnAfterLoad(sight.set->time_s);
   sight.mustBeNewTo(scan_clock_);
+  refuseWithoutMotion(sight);
   if (!sight.set) return refuse(sight);
   const CpuTimer timer(cpu_times_.filter_s);
   return processSet(std::move(sight), start);
@@ -168,6 +171,16 @@ void LandmarkSlam::Sight::undoSweep(const VehicleState& vehicle, const Compresse
   scan = swept.get();
 }
 
+// One scan may come just before the first motion. Of more it is not known how the vehicle moved
+// between them: as standing still, landmarks are smeared for good.
+void LandmarkSlam::refuseWithoutMotion(Sight& sight) {
+  if (!sight.set || estimate_.vehicle.hasInput()) return;
+  ++counts_.scans_without_motion;
+  if (!std::isfinite(scan_clock_.last_s())) return;
+  sight.set.reset();
+  sight.problem = "no motion input has come yet";
+}
+
 ScanOutcome LandmarkSlam::refuse(const Sight& sight) {
   ++counts_.refused_scans;
   ScanOutcome outcome;
@@ -215,6 +228,13 @@ ScanAssociation LandmarkSlam::associate(const ObservationSet& set) {
   const SensorPlacement sensor = sensorPlacement(set);
   LandmarkRegistry& registry = life_cycle_.registry();
   CompressedEkf& filter = estimate_.filter;
+  if (place_finder_.isLost(set, registry, filter)) {
+    if (auto found = associateAnywhere(set)) return std::move(*found);
+    if (place_finder_.waits(set.time_s)) {
+      ++counts_.scans_without_place;
+      return ScanAssociator::associateNothing(set);
+    }
+  }
   ScanAssociation association = associator_.associate(set, sensor, registry, filter);
   if (isExplained(association) || !(config_.slip.probability > 0.0)) return association;
   const double times = config_.slip.factor * config_.slip.factor;
@@ -230,13 +250,24 @@ ScanAssociation LandmarkSlam::associate(const ObservationSet& set) {
   return slipped;
 }
 
+/// Puts the vehicle where all landmarks together say that it is, if they do.
+std::optional<ScanAssociation> LandmarkSlam::associateAnywhere(const ObservationSet& set) {
+  const auto place =
+      place_finder_.find(set, sensorPlacement(set), life_cycle_.registry(), estimate_.filter);
+  if (!place) return std::nullopt;
+  placeVehicle(place->T_map_base, PlaceFinder::priorCovariance());
+  estimate_.vehicle.beginMotionNoise();
+  ++counts_.places_found;
+  return associator_.associateAs(place->landmarks, set, sensorPlacement(set),
+                                 life_cycle_.registry(), estimate_.filter);
+}
+
 void LandmarkSlam::begin(Sight& sight) {
   ObservationSet& set = *sight.set;
   refuseUnusable(set);
   scan_clock_.note(set.time_s, set.T_base_sensor);
   ++version_;
   life_cycle_.pin(pins_.at(set.time_s));
-  if (!estimate_.vehicle.hasInput()) ++counts_.scans_without_motion;
   estimate_.vehicle.moveTo(estimate_.filter, set.time_s);
   sight.undoSweep(estimate_.vehicle, estimate_.filter);
 }
@@ -270,6 +301,7 @@ bool LandmarkSlam::update(const ObservationSet& set, ScanAssociation& associatio
   outcome.health.dof = 2 * static_cast<int>(association.measurements.size());
   outcome.largest_correction_m = update.largest_landmark_move_m;
   if (isExplained(association)) {
+    place_finder_.tellExplained(set.time_s);
     estimate_.vehicle.learnMotionNoise(update);
     if (motionNoiseFactors().maxCoeff() >= kNoisy) ++counts_.noisy_scans;
     estimate_.vehicle.beginMotionNoise();
@@ -283,7 +315,8 @@ void LandmarkSlam::finish(Sight sight, const ScanAssociation& association, bool 
   outcome.accepted = true;
   const SensorPlacement sensor = sensorPlacement(set);
   if (use_ == MapUse::kExtend) {
-    extendMap(set, updated ? sight.scan : nullptr, sensor, association, outcome);
+    const bool shows_what_is_missed = updated && association.is_placed;
+    extendMap(set, shows_what_is_missed ? sight.scan : nullptr, sensor, association, outcome);
   } else {
     const std::vector<int> none(association.slots.size(), ScanAssociation::kNone);
     countObservations(association, none, 0, outcome);
@@ -409,7 +442,7 @@ void LandmarkSlam::holdGlobalUpdates(bool hold) {
 LocalStateRing::Memory LandmarkSlam::remembered() const {
   return std::make_shared<const FilterMemory>(
       FilterMemory{scan_clock_, estimate_.vehicle, estimate_.filter.localState(), estimate_.gps,
-                   life_cycle_, scan_update_, area_, settled_updates_});
+                   life_cycle_, scan_update_, place_finder_, area_, settled_updates_});
 }
 
 void LandmarkSlam::recall(const FilterMemory& memory) {
@@ -417,6 +450,7 @@ void LandmarkSlam::recall(const FilterMemory& memory) {
   estimate_.vehicle = memory.vehicle;
   estimate_.gps = memory.gps;
   scan_update_ = memory.scan_update;
+  place_finder_ = memory.place_finder;
   area_ = memory.area;
   settled_updates_ = memory.settled_updates;
   scan_clock_ = memory.scan_clock;

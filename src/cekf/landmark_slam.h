@@ -15,6 +15,7 @@
 #include "cekf/landmark_life_cycle.h"
 #include "cekf/landmark_pins.h"
 #include "cekf/local_state_ring.h"
+#include "cekf/place_finder.h"
 #include "cekf/scan_associator.h"
 #include "cekf/scan_clock.h"
 #include "cekf/scan_update.h"
@@ -124,6 +125,8 @@ class LandmarkSlam {
   Estimate newEstimate() const;
   void processGps(const GpsFix& fix);
   ScanOutcome processSet(Sight sight, Instant start);
+  void refuseWithoutMotion(Sight& sight);
+  std::optional<ScanAssociation> associateAnywhere(const ObservationSet& set);
   bool update(const ObservationSet& set, ScanAssociation& association, ScanOutcome& outcome);
   void extendMap(const ObservationSet& set, const LaserScan* scan, const SensorPlacement& sensor,
                  const ScanAssociation& association, ScanOutcome& outcome);
@@ -148,6 +151,7 @@ class LandmarkSlam {
   Perception perception_;
   ScanAssociator associator_;
   ScanUpdate scan_update_;
+  PlaceFinder place_finder_;
   LandmarkLifeCycle life_cycle_;
   LandmarkPins pins_;
   ActiveArea area_;

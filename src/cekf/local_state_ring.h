@@ -10,6 +10,7 @@
 #include "cekf/gps_datum.h"
 #include "cekf/landmark_life_cycle.h"
 #include "cekf/local_state.h"
+#include "cekf/place_finder.h"
 #include "cekf/resumption.h"
 #include "cekf/scan_clock.h"
 #include "cekf/scan_update.h"
@@ -26,6 +27,7 @@ struct FilterMemory {
   std::optional<GpsDatum> gps;
   LandmarkLifeCycle life_cycle;
   ScanUpdate scan_update;
+  PlaceFinder place_finder;
   ActiveArea area;
   std::size_t settled_updates = 0;
 };

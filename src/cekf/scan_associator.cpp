@@ -22,6 +22,9 @@ using Eigen::Vector2d;
 // What a person would call the same object, whatever the covariances say.
 constexpr double kSearchMargin_m = 0.5;
 
+// Of a landmark that may be seen in any direction, no innovation is linear: it is no candidate.
+constexpr double kMostBearingVariance = 1.0;
+
 double largestDeviation(const Matrix2d& covariance) {
   return std::sqrt(std::max(covariance.trace(), 0.0));
 }
@@ -123,6 +126,33 @@ ScanAssociation ScanAssociator::associate(const ObservationSet& set, const Senso
   } else if (!candidates.empty()) {
     chooseJointly(candidates, filter, more, result);
   }
+  return result;
+}
+
+ScanAssociation ScanAssociator::associateAs(const std::vector<int>& slots,
+                                            const ObservationSet& set,
+                                            const SensorPlacement& sensor,
+                                            LandmarkRegistry& registry,
+                                            CompressedEkf& filter) const {
+  ScanAssociation result = associateNothing(set);
+  result.is_placed = true;
+  result.slots = slots;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (slots[i] == ScanAssociation::kNone) continue;
+    Observation sighting = set.observations[i];
+    result.measurements.push_back(measure(sighting, sensor, registry.bySlot(slots[i]), filter));
+    result.sightings.push_back(sighting);
+  }
+  return result;
+}
+
+ScanAssociation ScanAssociator::associateNothing(const ObservationSet& set) {
+  const std::size_t n = set.observations.size();
+  ScanAssociation result;
+  result.slots.assign(n, ScanAssociation::kNone);
+  result.claimed.assign(n, true);
+  result.ignored.assign(n, false);
+  result.is_placed = false;
   return result;
 }
 
@@ -234,6 +264,7 @@ std::optional<ScanAssociator::Candidate> ScanAssociator::candidate(
   candidate.measurement = measure(candidate.sighting, sensor, landmark, filter);
   const Matrix2d S = filter.innovationCovariance(candidate.measurement, candidate.measurement) +
                      candidate.measurement.noise + covarianceFrom(more, candidate.measurement);
+  if (S(1, 1) > kMostBearingVariance) return std::nullopt;
   const Vector2d& innovation = candidate.measurement.innovation;
   candidate.distance2 = innovation.dot(S.inverse() * innovation);
   const double chance_density = config_.unmapped_density_per_m2 * observation.range_m;

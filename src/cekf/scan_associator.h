@@ -26,7 +26,8 @@ struct ScanAssociation {
   std::vector<Observation> sightings;
   /// Of the measurements, over chance; see logOdds(). Those by identity count as if they had none.
   double log_odds = 0.0;
-  int ambiguous = 0;     ///< observations with two or more compatible landmarks
+  bool is_placed = true;  ///< false: it is not known where the vehicle is, and nothing was tried
+  int ambiguous = 0;      ///< observations with two or more compatible landmarks
   bool complete = true;  ///< false: there was too much to choose from, and the search was cut short
 };
 
@@ -45,6 +46,14 @@ class ScanAssociator {
   ScanAssociation associate(const ObservationSet& set, const SensorPlacement& sensor,
                             LandmarkRegistry& registry, CompressedEkf& filter,
                             const VehicleMatrix* more = nullptr) const;
+
+  /// The association that `slots` tell, by observation, each kNone or the slot of a landmark; the
+  /// measurements are near their landmarks.
+  ScanAssociation associateAs(const std::vector<int>& slots, const ObservationSet& set,
+                              const SensorPlacement& sensor, LandmarkRegistry& registry,
+                              CompressedEkf& filter) const;
+  /// Nothing is associated, and nothing is of a new landmark.
+  static ScanAssociation associateNothing(const ObservationSet& set);
 
  private:
   struct Candidate {

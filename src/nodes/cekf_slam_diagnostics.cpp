@@ -23,6 +23,8 @@ void addObservations(const core::CekfSlam::Counts& counts, Status& status) {
   status.add("observations rejected", counts.rejected);
   status.add("associations cut short", counts.bounded_associations);
   status.add("slips (motion much worse than it claims)", counts.slips);
+  status.add("places found among all landmarks", counts.places_found);
+  status.add("scans without a place", counts.scans_without_place);
   if (counts.bounded_associations > 0) {
     status.mergeSummary(DiagnosticStatus::WARN,
                         "Scans with more landmarks than association.max_nodes lets be searched");

@@ -123,6 +123,9 @@ std::map<std::string, std::size_t> OfflineRun::incidents() const {
   add("scans after a motion at least twice as noisy as the vehicle's noise claims",
       counts.noisy_scans);
   add("scans before any motion input", counts.scans_without_motion);
+  add("scans of which nothing was made: the heading was too uncertain to tell where",
+      counts.scans_without_place);
+  add("times that the place was found again among all landmarks", counts.places_found);
   for (const auto& stage : stages_) incidents.merge(stage->incidents());
   return incidents;
 }
