@@ -171,6 +171,15 @@ void LandmarkSlam::Sight::undoSweep(const VehicleState& vehicle, const Compresse
   scan = swept.get();
 }
 
+// Where the vehicle was at a scan long before the first motion has nothing to do with where it is.
+void LandmarkSlam::beginWithMotion(double time_s) {
+  if (estimate_.vehicle.hasInput() || landmarkCount() > 0) return;
+  if (!(time_s > scan_clock_.last_s() + estimate_.vehicle.holdLimit_s())) return;
+  estimate_.filter.finishGlobalUpdate();
+  life_cycle_.clear();
+  estimate_ = newEstimate();
+}
+
 // One scan may come just before the first motion. Of more it is not known how the vehicle moved
 // between them: as standing still, landmarks are smeared for good.
 void LandmarkSlam::refuseWithoutMotion(Sight& sight) {
@@ -190,6 +199,7 @@ ScanOutcome LandmarkSlam::refuse(const Sight& sight) {
 
 void LandmarkSlam::takeMotion(const MotionInput& input) {
   goOnAfterLoad(timeOf(input));
+  beginWithMotion(timeOf(input));
   if (!estimate_.vehicle.takeInput(estimate_.filter, input)) ++counts_.refused_motion;
 }
 

@@ -125,6 +125,7 @@ class LandmarkSlam {
   Estimate newEstimate() const;
   void processGps(const GpsFix& fix);
   ScanOutcome processSet(Sight sight, Instant start);
+  void beginWithMotion(double time_s);
   void refuseWithoutMotion(Sight& sight);
   std::optional<ScanAssociation> associateAnywhere(const ObservationSet& set);
   bool update(const ObservationSet& set, ScanAssociation& association, ScanOutcome& outcome);

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -88,6 +90,51 @@ TEST(GapInARecording, NothingIsMappedBeforeThePlaceIsKnown) {
     EXPECT_LT(gap.errorAtEnd_m(), whole.errorAtEnd_m() + 0.3) << seed;
     EXPECT_LE(gap.falseLandmarks(), whole.falseLandmarks() + 2) << seed;
   }
+}
+
+/// How far off the way is of a drive whose first seconds have no motion, though the vehicle drives,
+/// after them.
+double errorWithMotionFrom(double from_s, bool with_scans_before, CekfSlam::Counts& counts) {
+  SimulationConfig world;
+  world.drive.duration_s = 40.0;
+  world.gps.enabled = false;
+  Simulation simulation(world, simulatedCar(), 1);
+  CekfSlam slam(CekfSlamConfig{}, simulatedCar());
+  SensorMerger merger({});
+  std::map<double, Pose2> truth;
+  double begin_s = -1.0;
+  std::optional<std::pair<Pose2, Pose2>> first, last;  // estimate and truth, once motion has come
+  while (auto simulated = simulation.next()) {
+    const double time_s = timeOf(simulated->event);
+    if (begin_s < 0.0) begin_s = time_s;
+    const bool is_motion = std::holds_alternative<MotionInput>(simulated->event);
+    if ((is_motion || !with_scans_before) && time_s - begin_s < from_s) continue;
+    if (std::holds_alternative<ScanEvent>(simulated->event)) {
+      truth[time_s] = simulated->T_map_base;
+    }
+    merger.push(simulated->event);
+    for (const SensorEvent& event : merger.popReady()) {
+      const auto outcome = slam.process(event);
+      if (!outcome || !outcome->accepted || outcome->pose.time_s - begin_s < from_s) continue;
+      last = {outcome->pose.T_map_base, truth.at(outcome->pose.time_s)};
+      if (!first) first = last;
+    }
+  }
+  counts = slam.counts();
+  const Pose2 way = inverse(first->first) * last->first;
+  const Pose2 true_way = inverse(first->second) * last->second;
+  return (way.position() - true_way.position()).norm();
+}
+
+TEST(MotionThatComesLate, TheMapBeginsWithIt) {
+  CekfSlam::Counts without, with;
+  const double without_m = errorWithMotionFrom(5.0, false, without);
+  const double with_m = errorWithMotionFrom(5.0, true, with);
+  EXPECT_LE(without.scans_without_motion, 1U);
+  EXPECT_GT(with.scans_without_motion, 20U);
+  EXPECT_GE(with.refused_scans, with.scans_without_motion - 1);
+  EXPECT_LT(without_m, 2.0);
+  EXPECT_NEAR(with_m, without_m, 1e-6);
 }
 
 }  // namespace
