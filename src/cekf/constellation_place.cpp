@@ -24,7 +24,7 @@ constexpr double kSamePlace_m = 1.0, kSameHeading_rad = 0.2;
 constexpr int kFewestPairs = 3;
 // These bound the work. Of what is seen, the nearest; of its pairs, the widest; each in so many.
 constexpr std::size_t kMostSeen = 40, kMostBases = 24, kMostUses = 4;
-constexpr std::size_t kMostLandmarks = 3000, kMostLandmarkPairs = 1000000;
+constexpr std::size_t kMostLandmarks = 10000, kMostLandmarkPairs = 1000000;
 constexpr double kShortestBase_m = 2.0;
 
 /// Two landmarks, or two things seen, and how far they are apart.

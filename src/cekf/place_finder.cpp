@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "cekf/relative_covariance.h"
@@ -12,6 +13,8 @@ namespace {
 
 // Of landmarks that are seen at once, among each other: of a confirmed landmark more than usual.
 constexpr double kLandmarkDeviation_m = 0.1;
+// Between two searches: one takes about 0.1 ms a landmark.
+constexpr double kShortestPause_s = 1.0, kPausePerLandmark_s = 1e-3;
 constexpr std::size_t kMostSeenLast = 12, kFewestSeenLast = 2;  // which fix a rigid motion
 constexpr double kSeenLast_s = 10.0;
 // For so long after a scan that was explained the next one is, whatever the motion's noise says
@@ -42,6 +45,7 @@ bool PlaceFinder::isLost(const ObservationSet& set, const LandmarkRegistry& regi
   }
   if (!is_lost) {
     lost_since_s_.reset();
+    next_search_s_ = -std::numeric_limits<double>::infinity();
   } else if (!lost_since_s_) {
     lost_since_s_ = set.time_s;
   }
@@ -67,7 +71,8 @@ std::vector<int> PlaceFinder::seenLast(const LandmarkRegistry& registry) {
 std::optional<ConstellationPlace> PlaceFinder::find(const ObservationSet& set,
                                                     const SensorPlacement& sensor,
                                                     const LandmarkRegistry& registry,
-                                                    const CompressedEkf& filter) const {
+                                                    const CompressedEkf& filter) {
+  if (set.time_s < next_search_s_) return std::nullopt;
   SeenConstellation question;
   for (const Observation& seen : set.observations) {
     const LocatedLandmark located = locateLandmark(
@@ -83,6 +88,8 @@ std::optional<ConstellationPlace> PlaceFinder::find(const ObservationSet& set,
                                   kLandmarkDeviation_m * kLandmarkDeviation_m, landmark.type});
     slots.push_back(landmark.slot);
   }
+  const double pause_s = kPausePerLandmark_s * static_cast<double>(slots.size());
+  next_search_s_ = set.time_s + std::max(kShortestPause_s, pause_s);
   question.expected = VehicleState::pose(filter);
   question.covariance = filter.vehicleCovariance().topLeftCorner<3, 3>();
   auto place = findConstellationPlace(question, config_.coincidence);

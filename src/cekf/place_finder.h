@@ -29,9 +29,10 @@ class PlaceFinder {
   bool isLost(const ObservationSet& set, const LandmarkRegistry& registry, CompressedEkf& filter);
 
   /// The vehicle's pose, and by observation its landmark's slot, or ConstellationPlace::kNone.
+  /// Looks at once, and then now and then: the less often the more landmarks there are.
   std::optional<ConstellationPlace> find(const ObservationSet& set, const SensorPlacement& sensor,
                                          const LandmarkRegistry& registry,
-                                         const CompressedEkf& filter) const;
+                                         const CompressedEkf& filter);
 
   /// Landmarks have explained the scan of this time.
   void tellExplained(double time_s) { explained_s_ = time_s; }
@@ -53,6 +54,7 @@ class PlaceFinder {
   int confirm_observations_;
   double explained_s_ = -std::numeric_limits<double>::infinity();
   std::optional<double> lost_since_s_;
+  double next_search_s_ = -std::numeric_limits<double>::infinity();  ///< while lost
 };
 
 }  // namespace hymm::core
