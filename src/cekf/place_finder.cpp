@@ -56,8 +56,9 @@ bool PlaceFinder::isLost(const ObservationSet& set, const LandmarkRegistry& regi
 /// begun, where the older ones lie does not matter.
 std::vector<int> PlaceFinder::seenLast(const LandmarkRegistry& registry) {
   std::vector<std::pair<double, int>> all;  // the latest first
-  for (const RegisteredLandmark& landmark : registry.all()) {
-    all.emplace_back(-landmark.last_seen_s, landmark.slot);
+  all.reserve(registry.size());
+  for (const RegisteredLandmark& landmark : registry.slots()) {
+    if (landmark.id >= 0) all.emplace_back(-landmark.last_seen_s, landmark.slot);
   }
   const std::size_t count = std::min(all.size(), kMostSeenLast);
   std::partial_sort(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), all.end());
