@@ -21,7 +21,7 @@ using Point = SeenConstellation::Point;
 constexpr double kGate = 4.0;  // deviations
 // Two poses nearer than this are the same place.
 constexpr double kSamePlace_m = 1.0, kSameHeading_rad = 0.2;
-constexpr int kFewestPairs = 3;
+constexpr int kFewestPairs = ConstellationPlace::kFewestPairs;
 // These bound the work. Of what is seen, the nearest; of its pairs, the widest; each in so many.
 constexpr std::size_t kMostSeen = 40, kMostBases = 24, kMostUses = 4;
 constexpr std::size_t kMostLandmarks = 10000, kMostLandmarkPairs = 1000000;

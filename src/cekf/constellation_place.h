@@ -26,6 +26,7 @@ struct SeenConstellation {
 /// A place from which the landmarks look like that, and from no other one.
 struct ConstellationPlace {
   static constexpr int kNone = -1;
+  static constexpr int kFewestPairs = 3;
 
   Pose2 T_map_base;
   std::vector<int> landmarks;  ///< by what is seen: its landmark, or kNone
@@ -38,7 +39,8 @@ struct ConstellationPlace {
 /// be in the map or not with the same odds: the pose's likelihood over that of all of it being
 /// unmapped things anywhere has to make up for the share of the poses expected that it is, and to
 /// exceed that of any other pose, by one over `coincidence`. Nothing otherwise, and if there are
-/// more landmarks than can be looked through. Deterministic.
+/// more landmarks than can be looked through, or fewer than kFewestPairs things seen.
+/// Deterministic.
 std::optional<ConstellationPlace> findConstellationPlace(const SeenConstellation& question,
                                                          double coincidence);
 

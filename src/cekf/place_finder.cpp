@@ -28,6 +28,10 @@ bool hasIdentities(const ObservationSet& set) {
                      [](const Observation& seen) { return seen.identity >= 0; });
 }
 
+bool mayTellPlace(const ObservationSet& set) {
+  return set.observations.size() >= std::size_t{ConstellationPlace::kFewestPairs};
+}
+
 }  // namespace
 
 bool PlaceFinder::isLost(const ObservationSet& set, const LandmarkRegistry& registry,
@@ -73,7 +77,7 @@ std::optional<ConstellationPlace> PlaceFinder::find(const ObservationSet& set,
                                                     const SensorPlacement& sensor,
                                                     const LandmarkRegistry& registry,
                                                     const CompressedEkf& filter) {
-  if (set.time_s < next_search_s_) return std::nullopt;
+  if (set.time_s < next_search_s_ || !mayTellPlace(set)) return std::nullopt;
   SeenConstellation question;
   for (const Observation& seen : set.observations) {
     const LocatedLandmark located = locateLandmark(

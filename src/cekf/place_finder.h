@@ -29,7 +29,8 @@ class PlaceFinder {
   bool isLost(const ObservationSet& set, const LandmarkRegistry& registry, CompressedEkf& filter);
 
   /// The vehicle's pose, and by observation its landmark's slot, or ConstellationPlace::kNone.
-  /// Looks at once, and then now and then: the less often the more landmarks there are.
+  /// Looks at once, and then now and then: the less often the more landmarks there are. A set of
+  /// too few observations to tell a place does not count: the next one is looked at.
   std::optional<ConstellationPlace> find(const ObservationSet& set, const SensorPlacement& sensor,
                                          const LandmarkRegistry& registry,
                                          const CompressedEkf& filter);
