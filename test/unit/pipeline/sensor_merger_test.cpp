@@ -45,10 +45,15 @@ TEST(SensorMerger, SortsByStampWhateverTheOrderOfArrival) {
   EXPECT_THAT(signature(merger.popReady()), ElementsAre(1.0, -1.05, 1.1, -1.15));
 }
 
-TEST(SensorMerger, LetsMotionCountWhenTheVehicleDoesIt) {
+/// Whose vehicle does what it is told 0.2 s later.
+SensorMerger delayedMerger() {
   SensorMergerConfig config;
   config.motion_delay_s = 0.2;
-  SensorMerger merger(config);
+  return SensorMerger(config);
+}
+
+TEST(SensorMerger, LetsMotionCountWhenTheVehicleDoesIt) {
+  SensorMerger merger = delayedMerger();
   merger.push(motion(1.0));
   merger.push(detections(1.1));  // until 1.2 the vehicle does not do what it was told at 1.0
   EXPECT_THAT(signature(merger.popReady()), ElementsAre(-1.1));
@@ -105,14 +110,12 @@ TEST(SensorMerger, DoesNotTakeStrayOldEventsForANewRecording) {
 TEST(SensorMerger, DoesNotTakeALateTopicForANewRecording) {
   SensorMerger merger({});
   for (int i = 0; i < 100; ++i) merger.push(motion(1.0 + 0.1 * i));
-  std::size_t scans = 0;
+  EventTally given;
   for (int i = 0; i < 20; ++i) {
     merger.push(detections(1.05 + 0.2 * i));
-    for (const SensorEvent& event : merger.popReady()) {
-      scans += std::holds_alternative<ObservationSet>(event) ? 1U : 0U;
-    }
+    given.take(merger.popReady());
   }
-  EXPECT_EQ(scans, 20U);
+  EXPECT_EQ(given.scans, 20U);
   EXPECT_EQ(merger.counts().clock_resets, 0U);
 }
 
@@ -177,9 +180,7 @@ TEST(SensorMerger, AMeanUpToAStampThatNobodyConfirmsIsStray) {
 }
 
 TEST(SensorMerger, MeansAreDelayedAtBothEnds) {
-  SensorMergerConfig config;
-  config.motion_delay_s = 0.2;
-  SensorMerger merger(config);
+  SensorMerger merger = delayedMerger();
   merger.push(motionBetween(1.0, 1.1));
   merger.push(detections(1.25));
   EXPECT_THAT(signature(merger.popReady()), ElementsAre(1.2, -1.25));
