@@ -60,7 +60,7 @@ class BoxBounds {
   double bound(std::size_t level, const PoseBox& box, double needed);
   /// What they are worth at the pose in the middle of the box.
   double valueAt(const PoseBox& box);
-  /// Bounds on points, or on several that are bounded together, that were looked up or computed.
+  /// Bounds on points or groups of points that were looked up or computed.
   std::size_t used() const { return used_; }
 
  private:

@@ -20,9 +20,10 @@ void RelocaliserConfig::describe(ConfigSchema& schema) {
                 "of the sensor, symmetric about its x axis");
   schema.number("recent_s", recent_s, Range::between(0.1, 60.0),
                 "time by whose scans, ten at most, the outcome is compared with all other places");
-  schema.integer("rival_bounds", rival_bounds, Range::between(1000, 2000000000),
-                 "bounds on points that the search for such places may compute; if it has not "
-                 "excluded all by then, the outcome is not believed");
+  schema.integer(
+      "rival_bounds", rival_bounds, Range::between(1000, 2000000000),
+      "bounds on points or groups of points that the search for such places may compute; if "
+      "it has not excluded all by then, the outcome is not believed");
   schema.number("rival_distance_m", rival_distance_m, Range{0.1, 100.0},
                 "a pose farther from the outcome than this is another place ...");
   schema.number("rival_angle_rad", rival_angle_rad, Range{0.01, 3.2},

@@ -22,7 +22,7 @@ struct RelocaliserConfig {
   double expected_range_m = 20.0;  ///< within which they should be
   double field_of_view_rad = kPi;
   double recent_s = 2.0;          ///< by whose scans the outcome is compared with all other places
-  int rival_bounds = 50000000;    ///< on points, that the search for such places may take
+  int rival_bounds = 50000000;    ///< on groups of points, for the search for such places
   double rival_distance_m = 1.5;  ///< beyond it a pose is another place
   double rival_angle_rad = 0.2;
   double history_s = 180.0;  ///< how long what the sensors said is kept

@@ -23,7 +23,7 @@ constexpr double kCoarsest_m = 4.0;
 // Boxes of the first level, at most: where there would be more, it is coarser.
 constexpr double kMostRoots = 2e5;
 
-// Steps that a box takes beside the bounds on points.
+// Steps that a box takes beside the bounds on groups of points.
 constexpr std::size_t kStepsOfBox = 10;
 
 constexpr int kParts = 8;  // of a box

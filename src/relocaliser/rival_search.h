@@ -22,7 +22,7 @@ struct RivalQuestion {
   double distance_m = 1.5;         ///< farther from it, or ...
   double angle_rad = 0.2;          ///< ... turned by more, is another place
   double log_likelihood = 0.0;     ///< that a rival exceeds, as logLikelihoodAt() tells it
-  std::size_t most_bounds = 0;     ///< on points, after which the search gives up
+  std::size_t most_bounds = 0;     ///< on groups of points; then the search gives up
 };
 
 struct RivalAnswer {
@@ -32,7 +32,7 @@ struct RivalAnswer {
     kUndecided  ///< the bounds that were allowed are used up
   };
   Kind kind = Kind::kUndecided;
-  std::size_t bounds = 0;  ///< on points, that it took
+  std::size_t bounds = 0;  ///< on groups of points, that it took
 };
 
 /// Whether another place explains the points as well, by branch and bound over all poses: a box of
