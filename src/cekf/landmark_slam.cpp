@@ -4,37 +4,12 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/LU>
-
 #include "cekf/relative_covariance.h"
 #include "common/cpu_timer.h"
 #include "common/gaussian.h"
-#include "perception/scan_check.h"
-#include "perception/swept_scan.h"
 
 namespace hymm::core {
 namespace {
-
-// Of a diameter's variance, what rounding may take away once range and bearing are given.
-constexpr double kRounding = 1e-9;
-
-/// Of an observation whose range and bearing are in order, the diameter and its covariance with
-/// them.
-bool isDiameterUsable(const Observation& observation) {
-  const double diameter_m = observation.diameter_m, variance = observation.diameter_variance;
-  if (std::isnan(diameter_m)) return true;
-  if (!(diameter_m >= 0.0) || std::isinf(diameter_m)) return false;
-  if (std::isnan(variance)) return true;
-  const Eigen::Vector2d& cross = observation.diameter_covariance;
-  const double explained = cross.dot(observation.covariance.inverse() * cross);
-  return std::isfinite(variance) && explained <= (1.0 + kRounding) * variance;
-}
-
-bool isUsable(const Observation& observation) {
-  return std::isfinite(observation.range_m) && observation.range_m > 0.0 &&
-         std::isfinite(observation.bearing_rad) && isCovariance(observation.covariance) &&
-         isDiameterUsable(observation);
-}
 
 // Beyond the reach of a sensor and of a large correction, a landmark's place may lag behind.
 constexpr double kRefreshRadius_m = 100.0;
@@ -58,54 +33,6 @@ double share(int part, int whole) {
 
 }  // namespace
 
-LandmarkSlam::LandmarkSlam(const CekfSlamConfig& config, const VehicleConfig& vehicle,
-                           CekfSlam::GlobalUpdates global_updates)
-    : config_(config),
-      vehicle_config_(vehicle),
-      global_updates_(global_updates),
-      perception_(config.perception),
-      associator_(config.association,
-                  config.update.atFirstEstimates() ? std::optional(config.update.relinearise_m)
-                                                   : std::nullopt,
-                  config.lasting_errors),
-      scan_update_(config.update.atFirstEstimates()
-                       ? ScanUpdate(config.update.max_iterations, config.large_correction_m)
-                       : ScanUpdate(config.update.max_iterations)),
-      place_finder_(config.place_finding, config.landmarks),
-      life_cycle_(config),
-      pins_(config.landmarks.pin_delay_s),
-      area_(config.active_area),
-      estimate_(newEstimate()) {}
-
-LandmarkSlam::Estimate LandmarkSlam::newEstimate() const {
-  VehicleState vehicle(vehicle_config_, config_.motion_input == "odom", config_.gps.enabled,
-                       config_.update.atFirstEstimates(), config_.motion_noise);
-  CompressedEkf filter(vehicle.initialState(), vehicle.initialCovariance(), global_updates_);
-  Estimate estimate{vehicle, std::move(filter), std::nullopt};
-  if (config_.gps.enabled) estimate.gps.emplace(config_.gps, vehicle.gpsDatumIndex());
-  estimate.filter.holdGlobalUpdates(holds_global_updates_);
-  return estimate;
-}
-
-void LandmarkSlam::reset() {
-  estimate_.filter.finishGlobalUpdate();
-  ++counts_.resets;
-  ++version_;
-  life_cycle_.clear();
-  place_finder_ = PlaceFinder(config_.place_finding, config_.landmarks);
-  pins_.clear();
-  area_.reset();
-  past_gaps_ += estimate_.vehicle.gaps();
-  past_worker_s_ += estimate_.filter.workerCpu_s();
-  estimate_ = newEstimate();
-  settled_updates_ = 0;
-  scan_clock_ = ScanClock();
-  use_ = MapUse::kExtend;
-  is_just_loaded_ = false;
-}
-
-// --- Events ----------------------------------------------------------------------------------
-
 std::optional<ScanOutcome> LandmarkSlam::process(const SensorEvent& event) {
   if (const auto* input = std::get_if<MotionInput>(&event)) {
     const CpuTimer timer(cpu_times_.filter_s);
@@ -126,68 +53,8 @@ std::optional<ScanOutcome> LandmarkSlam::process(const SensorEvent& event) {
   return processSet(std::move(sight), start);
 }
 
-LandmarkSlam::Sight LandmarkSlam::see(const SensorEvent& event) {
-  Sight sight;
-  if (const auto* set = std::get_if<ObservationSet>(&event)) {
-    if (std::isfinite(set->time_s)) {
-      sight.set = *set;
-    } else {
-      sight.problem = "the observations' time is not finite";
-    }
-  } else if (const auto* scan = std::get_if<ScanEvent>(&event)) {
-    if (const auto problem = scanProblem(scan->scan)) {
-      sight.problem = *problem;
-      return sight;
-    }
-    const CpuTimer timer(cpu_times_.perception_s);
-    sight.scan = &scan->scan;
-    sight.motion_meanwhile = &scan->motion_meanwhile;
-    sight.set.emplace();
-    sight.set->time_s = scan->scan.time_s;
-    sight.set->T_base_sensor = scan->T_base_laser;
-    sight.set->observations = perception_.detect(scan->scan);
-  }
-  return sight;
-}
-
-void LandmarkSlam::Sight::mustBeNewTo(const ScanClock& clock) {
-  if (!set || clock.takes(set->time_s, set->T_base_sensor)) return;
-  set.reset();
-  problem = scan != nullptr ? "the scan is not later than the last one"
-                            : "the observations are not later than the last ones";
-}
-
-void LandmarkSlam::Sight::undoSweep(const VehicleState& vehicle, const CompressedEkf& filter) {
-  if (scan == nullptr || scan->sweep_s() == 0.0) return;
-  sweep = vehicle.motionFrom(filter, *motion_meanwhile);
-  if (sweep.isStill()) return;
-  const Pose2 T_base_sensor = vehicle.placement(set->T_base_sensor, filter.vehicle()).T_base_sensor;
-  for (Observation& seen : set->observations) {
-    const double after_s = seen.after_stamp_s;
-    seen = asOfStamp(seen, sweep.sensorPoseAfter(after_s, T_base_sensor),
-                     sweep.sensorCovarianceAfter(after_s, T_base_sensor));
-  }
-  swept = std::make_shared<const LaserScan>(sweptScan(*scan, sweep, T_base_sensor));
-  scan = swept.get();
-}
-
-// Where the vehicle was at a scan long before the first motion has nothing to do with where it is.
-void LandmarkSlam::beginWithMotion(double time_s) {
-  if (estimate_.vehicle.hasInput() || landmarkCount() > 0) return;
-  if (!(time_s > scan_clock_.last_s() + estimate_.vehicle.holdLimit_s())) return;
-  estimate_.filter.finishGlobalUpdate();
-  life_cycle_.clear();
-  estimate_ = newEstimate();
-}
-
-// One scan may come just before the first motion. Of more it is not known how the vehicle moved
-// between them: as standing still, landmarks are smeared for good.
-void LandmarkSlam::refuseWithoutMotion(Sight& sight) {
-  if (!sight.set || estimate_.vehicle.hasInput()) return;
-  ++counts_.scans_without_motion;
-  if (!std::isfinite(scan_clock_.last_s())) return;
-  sight.set.reset();
-  sight.problem = "no motion input has come yet";
+Sight LandmarkSlam::see(const SensorEvent& event) {
+  return Sight::of(event, perception_, cpu_times_.perception_s);
 }
 
 ScanOutcome LandmarkSlam::refuse(const Sight& sight) {
@@ -273,8 +140,8 @@ std::optional<ScanAssociation> LandmarkSlam::associateAnywhere(const Observation
 }
 
 void LandmarkSlam::begin(Sight& sight) {
-  ObservationSet& set = *sight.set;
-  refuseUnusable(set);
+  refuseUnusable(sight);
+  const ObservationSet& set = *sight.set;
   scan_clock_.note(set.time_s, set.T_base_sensor);
   ++version_;
   life_cycle_.pin(pins_.at(set.time_s));
@@ -282,12 +149,8 @@ void LandmarkSlam::begin(Sight& sight) {
   sight.undoSweep(estimate_.vehicle, estimate_.filter);
 }
 
-void LandmarkSlam::refuseUnusable(ObservationSet& set) {
-  auto& observations = set.observations;
-  const auto bad = std::remove_if(observations.begin(), observations.end(),
-                                  [](const Observation& o) { return !isUsable(o); });
-  counts_.refused_observations += static_cast<std::size_t>(observations.end() - bad);
-  observations.erase(bad, observations.end());
+void LandmarkSlam::refuseUnusable(Sight& sight) {
+  counts_.refused_observations += sight.dropUnusable();
 }
 
 SensorPlacement LandmarkSlam::sensorPlacement(const ObservationSet& set) const {

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +18,7 @@
 #include "cekf/scan_associator.h"
 #include "cekf/scan_clock.h"
 #include "cekf/scan_update.h"
+#include "cekf/sight.h"
 #include "cekf/vehicle_state.h"
 #include "perception/perception.h"
 
@@ -72,25 +72,10 @@ class LandmarkSlam {
 
   // --- What process() is made of, for the way back -------------------------------------------
 
-  /// What a scan or observation event shows; `problem` says why it cannot be used. Of other events
-  /// nothing at all.
-  struct Sight {
-    std::optional<ObservationSet> set;
-    const LaserScan* scan = nullptr;  ///< of the event, or its swept one
-    std::string problem;
-    const std::vector<MotionInput>* motion_meanwhile = nullptr;  ///< of the event
-    SweepMotion sweep;                                           ///< of the vehicle meanwhile
-    std::shared_ptr<const LaserScan> swept;                      ///< with the sensor's motion
-
-    /// Cannot be used if it is not new.
-    void mustBeNewTo(const ScanClock& clock);
-    /// Takes observations to the stamp, where the vehicle is now, if they were made after it.
-    void undoSweep(const VehicleState& vehicle, const CompressedEkf& filter);
-  };
   Sight see(const SensorEvent& event);
   ScanOutcome refuse(const Sight& sight);
-  /// Takes what cannot be used out of a set, and counts it.
-  void refuseUnusable(ObservationSet& set);
+  /// Takes observations that cannot be used out of the set, and counts them.
+  void refuseUnusable(Sight& sight);
   void takeMotion(const MotionInput& input);
   /// Takes the vehicle to where it should be at the time of the set, and the set to that time.
   void begin(Sight& sight);
@@ -124,9 +109,9 @@ class LandmarkSlam {
 
   Estimate newEstimate() const;
   void processGps(const GpsFix& fix);
-  ScanOutcome processSet(Sight sight, Instant start);
   void beginWithMotion(double time_s);
   void refuseWithoutMotion(Sight& sight);
+  ScanOutcome processSet(Sight sight, Instant start);
   std::optional<ScanAssociation> associateAnywhere(const ObservationSet& set);
   bool update(const ObservationSet& set, ScanAssociation& association, ScanOutcome& outcome);
   void extendMap(const ObservationSet& set, const LaserScan* scan, const SensorPlacement& sensor,

@@ -75,7 +75,7 @@ std::optional<ScanOutcome> WayBack::wait(const SensorEvent& event) {
   }
   if (std::holds_alternative<GpsFix>(event)) return std::nullopt;
   const auto start = std::chrono::steady_clock::now();
-  LandmarkSlam::Sight sight = slam_.see(event);
+  Sight sight = slam_.see(event);
   sight.mustBeNewTo(waiting_->scan_clock);
   if (!sight.set) return slam_.refuse(sight);
   const CpuTimer timer(slam_.filterCpu_s());
@@ -83,11 +83,11 @@ std::optional<ScanOutcome> WayBack::wait(const SensorEvent& event) {
 }
 
 /// A scan while the filter waits: the vehicle goes on by its motion.
-ScanOutcome WayBack::waitThrough(LandmarkSlam::Sight sight, LandmarkSlam::Instant start) {
+ScanOutcome WayBack::waitThrough(Sight sight, LandmarkSlam::Instant start) {
   ScanOutcome outcome;
-  ObservationSet& set = *sight.set;
   outcome.accepted = outcome.suspended = true;
-  slam_.refuseUnusable(set);
+  slam_.refuseUnusable(sight);
+  ObservationSet& set = *sight.set;
   waiting_->scan_clock.note(set.time_s, set.T_base_sensor);
   waiting_->vehicle.moveTo(waiting_->filter, set.time_s);
   sight.undoSweep(waiting_->vehicle, waiting_->filter);
@@ -257,8 +257,8 @@ void WayBack::beginElsewhere(const Pose2& T_map_base) {
 }
 
 /// What a kept event shows, if it can still be processed.
-LandmarkSlam::Sight WayBack::seeAgain(const SensorEvent& event) {
-  LandmarkSlam::Sight sight = slam_.see(event);
+Sight WayBack::seeAgain(const SensorEvent& event) {
+  Sight sight = slam_.see(event);
   sight.mustBeNewTo(slam_.scanClock());
   return sight;
 }
@@ -266,7 +266,7 @@ LandmarkSlam::Sight WayBack::seeAgain(const SensorEvent& event) {
 /// An event that moves the vehicle only.
 void WayBack::moveAlong(const SensorEvent& event, Resumption& result) {
   if (const auto* input = std::get_if<MotionInput>(&event)) slam_.takeMotion(*input);
-  LandmarkSlam::Sight sight = seeAgain(event);
+  Sight sight = seeAgain(event);
   if (!sight.set) return;
   slam_.begin(sight);
   ++result.scans;
@@ -289,7 +289,7 @@ Resumption WayBack::replayAlong(const std::vector<PlaceAtScan>& path,
     const double time_s = timeOf(event);
     while (place != path.end() && place->time_s < time_s - kSameStamp_s) ++place;
     const bool on_path = place != path.end() && place->time_s <= time_s + kSameStamp_s;
-    LandmarkSlam::Sight sight;
+    Sight sight;
     if (on_path) sight = seeAgain(event);
     if (!sight.set) {
       moveAlong(event, result);
@@ -301,7 +301,7 @@ Resumption WayBack::replayAlong(const std::vector<PlaceAtScan>& path,
   return result;
 }
 
-void WayBack::closeAt(const Pose2& T_map_base, LandmarkSlam::Sight sight, Resumption& result) {
+void WayBack::closeAt(const Pose2& T_map_base, Sight sight, Resumption& result) {
   const auto start = std::chrono::steady_clock::now();
   slam_.begin(sight);
   const ObservationSet& set = *sight.set;

@@ -9,6 +9,7 @@
 #include "cekf/local_state_ring.h"
 #include "cekf/path_closing.h"
 #include "cekf/resumption.h"
+#include "cekf/sight.h"
 
 namespace hymm::core {
 
@@ -43,7 +44,7 @@ class WayBack {
 
   std::optional<ScanOutcome> apply(const SensorEvent& event);
   std::optional<ScanOutcome> wait(const SensorEvent& event);
-  ScanOutcome waitThrough(LandmarkSlam::Sight sight, LandmarkSlam::Instant start);
+  ScanOutcome waitThrough(Sight sight, LandmarkSlam::Instant start);
   void keepLocalState();
 
   std::optional<LocalStateRing::Way> findWay(double time_s) const;
@@ -55,11 +56,11 @@ class WayBack {
   std::string notKept(double time_T0_s) const;
 
   void beginElsewhere(const Pose2& T_map_base);
-  LandmarkSlam::Sight seeAgain(const SensorEvent& event);
+  Sight seeAgain(const SensorEvent& event);
   void moveAlong(const SensorEvent& event, Resumption& result);
   Resumption replayAlong(const std::vector<PlaceAtScan>& path,
                          const LocalStateRing::Events& events);
-  void closeAt(const Pose2& T_map_base, LandmarkSlam::Sight sight, Resumption& result);
+  void closeAt(const Pose2& T_map_base, Sight sight, Resumption& result);
 
   LandmarkSlam& slam_;
   int least_pairs_;
