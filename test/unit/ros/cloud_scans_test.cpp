@@ -34,6 +34,7 @@ boost::shared_ptr<sensor_msgs::PointCloud2> cloudOf(const std::vector<Eigen::Vec
   sensor_msgs::PointCloud2Modifier modifier(*cloud);
   modifier.setPointCloud2FieldsByString(1, "xyz");
   modifier.resize(points.size());
+  if (points.empty()) return cloud;  // of nothing ROS's iterators compute addresses all the same
   sensor_msgs::PointCloud2Iterator<float> x(*cloud, "x"), y(*cloud, "y"), z(*cloud, "z");
   for (const Eigen::Vector3f& point : points) {
     *x = point.x(), *y = point.y(), *z = point.z();
