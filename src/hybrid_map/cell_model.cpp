@@ -12,8 +12,6 @@ void CellModel::merge(const float* source, float share, float* cell) const {
   for (int i = 0; i < channels(); ++i) cell[i] += share * source[i];
 }
 
-void CellModel::yieldTo(const float* /*later*/, float /*share*/, float* /*cell*/) const {}
-
 void CellModel::keep(float share, float* cell) const {
   for (int i = 0; i < channels(); ++i) cell[i] *= share;
 }
@@ -62,12 +60,10 @@ class OccupancyModel : public CellModel {
   void merge(const float* source, float share, float* cell) const override {
     cell[0] = std::clamp(cell[0] + share * source[0], limits_.least, limits_.most);
   }
-  void yieldTo(const float* later, float share, float* cell) const override {
-    if (later[0] * cell[0] >= 0.0F) return;
-    const float remembered = later[0] > 0.0F ? limits_.most : limits_.least;
-    cell[0] *= 1.0F - share * std::min(1.0F, later[0] / remembered);
+  bool hasLimits() const override { return true; }
+  bool isAtLimit(const float* cell) const override {
+    return cell[0] <= limits_.least || cell[0] >= limits_.most;
   }
-  bool forgets() const override { return true; }
   bool isOfOnePlace(const float* cell) const override { return cell[0] > 0.0F; }
   double evidence(const float* cell) const override { return static_cast<double>(cell[0]); }
 

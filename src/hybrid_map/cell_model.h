@@ -49,11 +49,10 @@ class CellModel {
   /// Adds `share` (0 to 1) of the evidence of another cell.
   virtual void merge(const float* source, float share, float* cell) const;
 
-  /// Before `share` of `later` is merged into `cell`, which was written before it: makes `cell`
-  /// forget what it would have forgotten, had both been written in one grid. Models without limits
-  /// forget nothing.
-  virtual void yieldTo(const float* later, float share, float* cell) const;
-  virtual bool forgets() const { return false; }
+  /// Whether cells have limits beyond which they learn no more, and so forget: evidence that comes
+  /// to a limit says the same whatever was known before.
+  virtual bool hasLimits() const { return false; }
+  virtual bool isAtLimit(const float* /*cell*/) const { return false; }
 
   /// Leaves `share` of a cell's evidence in it.
   virtual void keep(float share, float* cell) const;
@@ -74,9 +73,7 @@ struct LogOddsLimits {
 };
 
 /// Probability of being occupied in log-odds (1). Beams write it directly; samples are refused.
-/// Also the sum of several cells stays within the limits, so that what changes can be relearned. Of
-/// what cells can remember, a later one has filled as much as it is on its way to its limit: in
-/// that proportion an earlier one forgets what it says against it.
+/// Also the sum of several cells stays within the limits, so that what changes can be relearned.
 std::unique_ptr<CellModel> makeOccupancyModel(const LogOddsLimits& limits = {});
 
 /// A value that is the same over the cell, measured with known variance: salinity, humidity, height

@@ -2,17 +2,40 @@
 
 #include <algorithm>
 
+#include "hybrid_map/cell_shares.h"
+
 namespace hymm::core {
+namespace {
+
+/// Whether what a cell says does not depend on what was known before its evidence came.
+bool wasAtLimit(const LayerSet& layers, const CellStore& store, int layer, int index) {
+  const CellModel& model = layers.model(layer);
+  return model.hasLimits() &&
+         (store.hasLeftLimit(layer, index) || model.isAtLimit(store.read(layers, layer, index)));
+}
+
+}  // namespace
+
+CellPart partOf(const LayerSet& layers, const CellStore& store, int layer, int index,
+                std::size_t count) {
+  return {layer,
+          store.read(layers, layer, index),
+          1.0F / static_cast<float>(count),
+          store.seen(layer, index),
+          count,
+          wasAtLimit(layers, store, layer, index)};
+}
 
 CellOverlay::Region& CellOverlay::regionOf(int layer, CellStore& store) {
   const Key key(&store, layer);
   if (last_region_ != nullptr && key == last_key_) return *last_region_;
   Region& region = regions_[key];
-  if (region.content.empty()) {
+  if (region.cells.empty()) {
     cellAt(layer, {&store, 0});  // which makes the cells
-    region.content = store.content(layer);
-    for (int i = 0; i < store.cellCount(); ++i) region.seen.push_back(store.seen(layer, i));
-    region.newest = region.seen;
+    for (int i = 0; i < store.cellCount(); ++i) {
+      const std::uint64_t seen = store.seen(layer, i);
+      region.cells.push_back({seen, seen, wasAtLimit(layers_, store, layer, i)});
+    }
   }
   last_key_ = key;
   last_region_ = &region;
@@ -25,40 +48,44 @@ float* CellOverlay::cellAt(int layer, const CellPlace& place) const {
 }
 
 void CellOverlay::makeRoom(const CellPart& part, const CellPlace& place) {
-  const Region& region = regionOf(part.layer, *place.store);
-  if (part.seen <= region.seen[std::size_t(place.index)]) return;
-  layers_.model(part.layer).yieldTo(part.cell, part.share, cellAt(part.layer, place));
+  if (!part.was_at_limit) return;
+  Region::Cell& cell = regionOf(part.layer, *place.store).cells[std::size_t(place.index)];
+  if (part.seen <= cell.seen || cell.forgotten >= 1.0F) return;
+  const float before = cell.forgotten;
+  cell.forgotten = std::min(1.0F, before + part.share);
+  layers_.model(part.layer)
+      .keep((1.0F - cell.forgotten) / (1.0F - before), cellAt(part.layer, place));
 }
 
 void CellOverlay::add(const CellPart& part, const CellPlace& place) {
   const CellModel& model = layers_.model(part.layer);
-  float* cell = cellAt(part.layer, place);
-  if (!model.forgets()) {
-    model.merge(part.cell, part.share, cell);
+  if (!model.hasLimits()) {
+    model.merge(part.cell, part.share, cellAt(part.layer, place));
     place.store->noteSeen(part.layer, place.index, part.seen);
     return;
   }
-  Region& region = regionOf(part.layer, *place.store);
-  const auto index = std::size_t(place.index);
-  region.newest[index] = std::max(region.newest[index], part.seen);
-  if (part.seen >= region.seen[index]) {
-    model.merge(part.cell, part.share, cell);
-    return;
-  }
-  const std::ptrdiff_t channels = layers_.channels(part.layer);
-  earlier_.assign(part.cell, part.cell + channels);
-  model.yieldTo(region.content.data() + place.index * channels, 1.0F, earlier_.data());
-  model.merge(earlier_.data(), part.share, cell);
+  Region::Cell& cell = regionOf(part.layer, *place.store).cells[std::size_t(place.index)];
+  cell.newest = std::max(cell.newest, part.seen);
+  if (part.was_at_limit) cell.at_limit += part.share;
+  if (part.seen < cell.seen && cell.was_at_limit) return;
+  model.merge(part.cell, part.share, cellAt(part.layer, place));
 }
 
 void CellOverlay::finish() {
+  constexpr float kMost = 0.5F;  // of a cell's evidence
   for (auto& [key, region] : regions_) {
     auto& [store, layer] = key;
+    const CellModel& model = layers_.model(layer);
     for (int i = 0; i < store->cellCount(); ++i) {
-      store->noteSeen(layer, i, region.newest[std::size_t(i)]);
+      Region::Cell& cell = region.cells[std::size_t(i)];
+      store->noteSeen(layer, i, cell.newest);
+      const float* content = store->read(layers_, layer, i);
+      // Whether it is at a limit can be read of it. An obstacle leaves it unnoticed, by a miss.
+      const bool is_at_limit = model.isAtLimit(content);
+      const bool is_noted = is_at_limit ? model.isOfOnePlace(content) : cell.at_limit >= kMost;
+      if (is_noted) store->noteLimit(layer, i);
+      cell = {cell.newest, cell.newest, cell.was_at_limit || is_noted || is_at_limit};
     }
-    region.content = store->content(layer);
-    region.seen = region.newest;
   }
 }
 

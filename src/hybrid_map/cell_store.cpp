@@ -11,7 +11,7 @@ CellStore::CellStore(const LayerSet& layers, int cells, Seen seen)
       seen_(std::size_t(layers.count()), 0) {
   if (seen == Seen::kLayers) return;
   for (int i = 0; i < layers.count(); ++i) {
-    layers_[std::size_t(i)].keeps_seen_cells = layers.model(i).forgets();
+    layers_[std::size_t(i)].keeps_seen_cells = layers.model(i).hasLimits();
   }
 }
 
@@ -42,6 +42,7 @@ void CellStore::pack(std::uint64_t since_revision) {
     layer.packed = PackedFloats(layer.content);
     layer.content = std::vector<float>();  // its memory is given back, as clear() would not
     layer.seen_cells = std::vector<Stamp>();
+    layer.left_limit.pack();
   }
 }
 
@@ -52,6 +53,7 @@ void CellStore::packOccupancy(const TriangularGrid& grid, float threshold,
   layer.tree = OccupancyQuadtree(grid, layer.content, threshold);
   layer.content = std::vector<float>();
   layer.seen_cells = std::vector<Stamp>();
+  layer.left_limit.pack();
 }
 
 void CellStore::forget(std::uint64_t revision) {
@@ -60,6 +62,7 @@ void CellStore::forget(std::uint64_t revision) {
     const std::size_t size = unpacked(static_cast<int>(i)).size();
     layers_[i].content = std::vector<float>();
     layers_[i].seen_cells = std::vector<Stamp>();
+    layers_[i].left_limit = {};
     layers_[i].tree = {};
     layers_[i].packed = PackedFloats(std::vector<float>(size, 0.0F));
     revisions_[i] = revision;
@@ -72,6 +75,7 @@ void CellStore::unpack(int layer) const {
   packed.content = packed.unpacked();
   packed.packed = {};
   packed.tree = {};
+  packed.left_limit.unpack();
   beginSeenCells(layer);
 }
 
@@ -90,8 +94,10 @@ void CellStore::addMemory(CellMemory& sum) const {
   for (const Layer& layer : layers_) {
     sum.unpacked_bytes += layer.content.capacity() * sizeof(float);
     sum.unpacked_bytes += layer.seen_cells.capacity() * sizeof(Stamp);
-    sum.packed_bytes += layer.packed.bytes() + layer.tree.bytes();
-    sum.packed_from_bytes += layer.packed.unpackedBytes() + layer.tree.unpackedBytes();
+    sum.unpacked_bytes += layer.left_limit.unpackedBytes();
+    sum.packed_bytes += layer.packed.bytes() + layer.tree.bytes() + layer.left_limit.packedBytes();
+    sum.packed_from_bytes += layer.packed.unpackedBytes() + layer.tree.unpackedBytes() +
+                             layer.left_limit.packedFromBytes();
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hybrid_map/cell_marks.h"
 #include "hybrid_map/layer_set.h"
 #include "hybrid_map/occupancy_quadtree.h"
 #include "hybrid_map/packed_floats.h"
@@ -28,7 +29,7 @@ struct CellMemory {
 class CellStore {
  public:
   /// Of which it is known when they were seen: each layer as a whole, or, where the layer's model
-  /// forgets, each cell until it is packed.
+  /// has limits, each cell until it is packed.
   enum class Seen { kLayers, kCells };
 
   CellStore(const LayerSet& layers, int cells, Seen seen = Seen::kLayers);
@@ -97,6 +98,21 @@ class CellStore {
     return cells.empty() ? nullptr : cells.data();
   }
 
+  /// Whether a cell of a layer that is not empty was at a limit of its model since its evidence
+  /// began to come, and has left it: a hit in a cell that was surely free, or misses after many
+  /// hits.
+  bool hasLeftLimit(int layer, int cell) const {
+    unpacked(layer);
+    return layers_[std::size_t(layer)].left_limit.has(cell);
+  }
+  /// Of a cell that leaves a limit, or will when what it holds changes.
+  void noteLimit(int layer, int cell) {
+    unpacked(layer);
+    layers_[std::size_t(layer)].left_limit.set(cell, cells_);
+  }
+  /// Of a cell whose evidence went elsewhere.
+  void forgetLimit(int layer, int cell) { layers_[std::size_t(layer)].left_limit.reset(cell); }
+
   void addMemory(CellMemory& sum) const;
 
   /// What was compressed comes back compressed without loss.
@@ -112,7 +128,8 @@ class CellStore {
     PackedFloats packed;
     OccupancyQuadtree tree;
     bool keeps_seen_cells = false;
-    std::vector<std::uint32_t> seen_cells;  ///< empty while packed
+    std::vector<Stamp> seen_cells;  ///< empty while packed
+    CellMarks left_limit;
   };
   std::vector<float>& unpacked(int layer) const {
     Layer& wanted = layers_[std::size_t(layer)];

@@ -99,18 +99,16 @@ void LayerWriter::moveRetired(LtrPartition& partition, const RetiredLtr& retired
   const Eigen::Vector2d centre = retired.last_valid.toGlobal(Triangle::Local::Constant(1.0 / 3.0));
   waiting_.select(retired.T_map_last_valid * centre, landmarks);
   const auto visitParts = [&](auto&& visit) {
-    visitCells(*cells, layers_,
-               [&](int layer, const float* cell, const auto& parts, std::size_t count) {
-                 const CellPart part{layer, cell, 1.0F / static_cast<float>(count),
-                                     cells->store.seen(layer), count};
-                 for (std::size_t i = 0; i < count; ++i) {
-                   visit(part, retired.T_map_last_valid * retired.last_valid.toGlobal(parts[i]));
-                 }
-               });
+    visitCells(*cells, layers_, [&](int layer, int index, const auto& parts, std::size_t count) {
+      const CellPart part = partOf(layers_, cells->store, layer, index, count);
+      for (std::size_t i = 0; i < count; ++i) {
+        visit(part, retired.T_map_last_valid * retired.last_valid.toGlobal(parts[i]));
+      }
+    });
   };
   CellOverlay overlay(layers_, revision_);
   visitParts([&](const CellPart& part, const Eigen::Vector2d& place) {
-    if (!layers_.model(part.layer).forgets()) return;
+    if (!layers_.model(part.layer).hasLimits()) return;
     overlay.makeRoom(part, cellFor(partition, place, 0.0));
   });
   visitParts([&](const CellPart& part, const Eigen::Vector2d& place) {

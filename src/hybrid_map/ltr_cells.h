@@ -21,7 +21,7 @@ struct LtrCells {
   CellStore store;
 };
 
-/// Calls `visit(layer, cell, parts, count)` for each cell with evidence: the local coordinates of
+/// Calls `visit(layer, index, parts, count)` for each cell with evidence: the local coordinates of
 /// the centres of its parts that lie inside the LTR, between which its evidence is shared equally.
 template <class Visitor>
 void visitCells(const LtrCells& cells, const LayerSet& layers, Visitor&& visitor) {
@@ -45,7 +45,7 @@ void visitCells(const LtrCells& cells, const LayerSet& layers, Visitor&& visitor
         }
         // Of a cell that the triangle hardly touches, its corner lies inside.
         if (count == 0) parts[count++] = localOf(Eigen::Vector2d::Zero());
-        visitor(layer, cell, parts, count);
+        visitor(layer, index, parts, count);
       }
     }
   }

@@ -1,26 +1,26 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
+
+#include "hybrid_map/packed_bytes.h"
 
 namespace hymm::core {
 
-/// Numbers compressed without loss (zstd).
+/// Numbers compressed without loss.
 class PackedFloats {
  public:
   PackedFloats() = default;
   explicit PackedFloats(const std::vector<float>& values);
 
-  bool isEmpty() const { return count_ == 0; }
+  bool isEmpty() const { return bytes_.isEmpty(); }
   std::vector<float> unpack() const;
 
-  std::size_t bytes() const { return content_.capacity(); }
-  std::size_t unpackedBytes() const { return count_ * sizeof(float); }
+  std::size_t bytes() const { return bytes_.bytes(); }
+  std::size_t unpackedBytes() const { return bytes_.unpackedBytes(); }
 
  private:
-  std::vector<std::uint8_t> content_;
-  std::size_t count_ = 0;
+  PackedBytes bytes_;
 };
 
 }  // namespace hymm::core

@@ -14,7 +14,8 @@ namespace hymm::core {
 /// Joint covariances of the landmarks of one epoch, as far as it tells them.
 class PairCovariances {
  public:
-  /// Keeps the pairs among `ids`; `map` outlives the object.
+  /// Of all pairs, or those among `ids`; `map` outlives the object.
+  explicit PairCovariances(const LandmarkMap& map);
   PairCovariances(const LandmarkMap& map, const std::unordered_set<int>& ids);
 
   /// The covariance between two landmarks [m^2]; nothing where it is not told.

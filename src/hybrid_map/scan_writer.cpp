@@ -109,17 +109,16 @@ std::size_t ScanWriter::write(const LaserScan& scan, const Pose2& T_map_laser,
 
 void ScanWriter::addHit(const BeamPiece& last, LayerWriter& writer) {
   const Eigen::Vector2d end = last.at(1.0);
-  float* cell = nullptr;
+  CellPlace place;
   if (last.ltr == kNone) {
-    const CellPlace place = writer.waiting().cellAt(end, writer.revision());
-    cell =
-        place.store->write(writer.layers(), LayerSet::kOccupancy, writer.revision()) + place.index;
+    place = writer.waiting().cellAt(end, writer.revision());
   } else {
     LtrCells& cells = writer.cells(last.ltr);
-    cell = cells.store.write(writer.layers(), LayerSet::kOccupancy, writer.revision()) +
-           cells.grid.index(end);
+    place = {&cells.store, static_cast<int>(cells.grid.index(end))};
   }
-  hits_.push_back({cell, *cell});
+  float* cell =
+      place.store->write(writer.layers(), LayerSet::kOccupancy, writer.revision()) + place.index;
+  hits_.push_back({place, cell, *cell});
 }
 
 /// Pieces in one LTR are written one after the other: they lead into the same cells, and in almost
@@ -190,7 +189,11 @@ void ScanWriter::freeOutside(int first_piece, LayerWriter& writer) {
 // Of several beams that end in a cell each counts.
 void ScanWriter::occupyHits() {
   for (const Hit& hit : hits_) *hit.cell = hit.before;
-  for (const Hit& hit : hits_) *hit.cell = increments_.occupied(*hit.cell);
+  for (const Hit& hit : hits_) {
+    *hit.cell = increments_.occupied(*hit.cell);
+    if (hit.before > increments_.least && *hit.cell < increments_.most) continue;
+    hit.place.store->noteLimit(LayerSet::kOccupancy, hit.place.index);
+  }
 }
 
 }  // namespace hymm::core

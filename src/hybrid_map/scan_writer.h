@@ -32,6 +32,7 @@ class ScanWriter {
   class TileWindow;
   /// A cell in which a beam ends, and what it held before the scan.
   struct Hit {
+    CellPlace place;
     float* cell;
     float before;
   };

@@ -4,14 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
 #include "hybrid_map/cell_shares.h"
-#include "hybrid_map/pair_covariances.h"
+#include "hybrid_map/relative_deviations.h"
 #include "hybrid_map/waiting_tiles.h"
 
 namespace hymm::core {
@@ -20,48 +18,6 @@ namespace {
 // Along the line between two sheets, both keep what they saw this near to it: else a gap would open
 // where they move apart.
 constexpr double kSeam_m = 0.5;
-
-double largestDeviation(const Eigen::Matrix2d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, axes.eigenvalues()[1]));
-}
-
-/// How well landmarks are known relative to each other.
-class RelativeDeviations {
- public:
-  RelativeDeviations(const LandmarkMap& map, const std::unordered_set<int>& ids)
-      : pairs_(map, ids) {
-    for (const LandmarkEstimate& landmark : map.landmarks) {
-      if (ids.count(landmark.id) > 0) covariances_[landmark.id] = landmark.covariance;
-    }
-  }
-
-  /// Of one landmark's place relative to another's [m], in the direction in which it is largest;
-  /// where their covariance is not told, the most that it can be. Infinite for unknown landmarks.
-  double between(int one, int other) const {
-    const auto a = covariances_.find(one), b = covariances_.find(other);
-    if (a == covariances_.end() || b == covariances_.end()) {
-      return std::numeric_limits<double>::infinity();
-    }
-    if (one == other) return 0.0;
-    const auto cross = pairs_.block(one, other);
-    if (!cross) return largestDeviation(a->second) + largestDeviation(b->second);
-    return largestDeviation(a->second + b->second - *cross - cross->transpose());
-  }
-
-  /// Of any of the one relative to any of the other.
-  double largest(const std::array<int, 2>& ones, const std::array<int, 2>& others) const {
-    double largest = 0.0;
-    for (const int one : ones) {
-      for (const int other : others) largest = std::max(largest, between(one, other));
-    }
-    return largest;
-  }
-
- private:
-  PairCovariances pairs_;
-  std::unordered_map<int, Eigen::Matrix2d> covariances_;
-};
 
 bool intersect(const WaitingTiles::Box& a, const WaitingTiles::Box& b) {
   return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
@@ -74,11 +30,12 @@ bool intersect(const WaitingTiles::Box& a, const WaitingTiles::Box& b) {
 class WaitingTiles::CellMove {
  public:
   CellMove(const WaitingTiles& tiles, Sheet& from, Sheet& to, const Eigen::Vector2d& from_middle,
-           const Eigen::Vector2d& to_middle, std::uint64_t revision)
+           const Eigen::Vector2d& to_middle, std::uint64_t joined, std::uint64_t revision)
       : tiles_(tiles),
         layers_(tiles.layers_),
         from_(from),
         to_(to),
+        joined_(joined),
         revision_(revision),
         overlay_(tiles.layers_, revision) {
     const Pose2 T_to_from = inverse(to.T_map_sheet) * from.T_map_sheet;
@@ -94,10 +51,10 @@ class WaitingTiles::CellMove {
   void run() {
     std::vector<TilePlace> places;
     for (const auto& [place, tile] : from_.tiles) {
-      if (mayMove(place)) places.push_back(place);
+      if (mayMove(place, tile)) places.push_back(place);
     }
     for (int layer = 0; layer < layers_.count(); ++layer) {
-      if (!layers_.model(layer).forgets()) continue;
+      if (!layers_.model(layer).hasLimits()) continue;
       for (const TilePlace& place : places) makeRoom(place, from_.tiles.at(place), layer);
     }
     for (const TilePlace& place : places) {
@@ -120,7 +77,9 @@ class WaitingTiles::CellMove {
     return (place - halfway_).dot(towards_) - seam_ > least;
   }
 
-  bool mayMove(const TilePlace& place) {
+  /// Of a tile where nothing was written since the last time, nor in those that it lies on, all has
+  /// moved that may.
+  bool mayMove(const TilePlace& place, const CellStore& from) const {
     const Eigen::Vector2d middle =
         kTileCells * Eigen::Vector2d(place.first + 0.5, place.second + 0.5);
     if (!isBeyondSeam(middle, -kTileCells * M_SQRT1_2)) return false;
@@ -128,7 +87,9 @@ class WaitingTiles::CellMove {
     for (int x = -1; x <= 1; ++x) {
       for (int y = -1; y <= 1; ++y) {
         const TilePlace other(static_cast<int>(tile.x()) + x, static_cast<int>(tile.y()) + y);
-        if (to_.tiles.count(other) > 0) return true;
+        const auto found = to_.tiles.find(other);
+        if (found == to_.tiles.end()) continue;
+        if (std::max(from.lastRevision(), found->second.lastRevision()) > joined_) return true;
       }
     }
     return false;
@@ -141,7 +102,7 @@ class WaitingTiles::CellMove {
       const Eigen::Vector2d corner = cornerOf(place, index);
       if (!hasEvidence(cell, layers_.channels(layer)) || !isBeyondSeam(middleOf(corner))) continue;
       visitTargets(
-          corner, tiles_.partOf(tile, layer, index),
+          corner, tiles_.movingPart(tile, layer, index),
           [&](const CellPart& part, CellPlace target) { overlay_.makeRoom(part, target); });
     }
   }
@@ -166,10 +127,11 @@ class WaitingTiles::CellMove {
       float left = 1.0F;
       if (isBeyondSeam(middleOf(corner))) {
         left = visitTargets(
-            corner, tiles_.partOf(tile, layer, index),
+            corner, tiles_.movingPart(tile, layer, index),
             [&](const CellPart& part, CellPlace target) { overlay_.add(part, target); });
       }
       if (left < 1.0F) layers_.model(layer).keep(left, cell);
+      if (left <= 0.0F) tile.forgetLimit(layer, index);
       has_moved = has_moved || left < 1.0F;
       is_empty = is_empty && left <= 0.0F;
     }
@@ -208,7 +170,7 @@ class WaitingTiles::CellMove {
   const WaitingTiles& tiles_;
   const LayerSet& layers_;
   Sheet &from_, &to_;
-  std::uint64_t revision_;
+  std::uint64_t joined_, revision_;  ///< when they were joined last, and now
   CellOverlay overlay_;
   /// To these, too, something may have come from the other sheet.
   std::vector<std::map<TilePlace, CellStore>::node_type> emptied_;
@@ -259,26 +221,25 @@ void WaitingTiles::join(const LandmarkMap& map, const LandmarkPlaces& landmarks,
     if (i == selected_ || anchors[0] < 0 || anchors[1] < 0) continue;
     candidates.push_back({&sheet, anchors, anchorMiddle(sheet, landmarks), boxOf(sheet)});
   }
-  const auto areJoined = [this](const Candidate& a, const Candidate& b) {
+  const auto joinedAt = [this](const Candidate& a, const Candidate& b) {
     const auto joined = joined_.find({a.sheet->id, b.sheet->id});
-    return joined != joined_.end() &&
-           joined->second >= std::max(a.sheet->written, b.sheet->written);
+    return joined == joined_.end() ? 0 : joined->second;
   };
   std::vector<std::pair<const Candidate*, const Candidate*>> pairs;
-  std::unordered_set<int> ids;
   for (auto a = candidates.begin(); a != candidates.end(); ++a) {
     for (auto b = a + 1; b != candidates.end(); ++b) {
-      if (areJoined(*a, *b) || !intersect(a->box, b->box)) continue;
+      if (joinedAt(*a, *b) >= std::max(a->sheet->written, b->sheet->written)) continue;
+      if (!intersect(a->box, b->box)) continue;
       pairs.emplace_back(&*a, &*b);
-      for (const Candidate& one : {*a, *b}) ids.insert(one.anchors.begin(), one.anchors.end());
     }
   }
   if (pairs.empty()) return;  // as with most maps: spares a look at all their covariances
-  const RelativeDeviations deviations(map, ids);
+  const RelativeDeviations deviations(map);
   for (const auto& [a, b] : pairs) {
     if (deviations.largest(a->anchors, b->anchors) > most_deviation_m) continue;
-    CellMove there(*this, *a->sheet, *b->sheet, a->middle, b->middle, revision);
-    CellMove back(*this, *b->sheet, *a->sheet, b->middle, a->middle, revision);
+    const std::uint64_t joined = joinedAt(*a, *b);
+    CellMove there(*this, *a->sheet, *b->sheet, a->middle, b->middle, joined, revision);
+    CellMove back(*this, *b->sheet, *a->sheet, b->middle, a->middle, joined, revision);
     there.run();
     back.run();
     there.finish();

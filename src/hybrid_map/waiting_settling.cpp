@@ -63,7 +63,7 @@ void WaitingTiles::settle(const std::vector<Box>& boxes, Taker& taker) {
   for (Sheet& sheet : sheets_) {
     std::vector<SettlingTile> tiles = tilesWithin(boxes, sheet);
     for (int layer = 0; layer < layers_.count(); ++layer) {
-      if (layers_.model(layer).forgets()) {
+      if (layers_.model(layer).hasLimits()) {
         for (const SettlingTile& tile : tiles) makeRoom(tile, layer, taker);
       }
       for (SettlingTile& tile : tiles) settleLayer(tile, layer, taker);
@@ -80,7 +80,7 @@ void WaitingTiles::makeRoom(const SettlingTile& tile, int layer, Taker& taker) {
   for (int index = 0; index < tile.cells->cellCount(); ++index) {
     const float* cell = tile.cells->read(layers_, layer, index);
     if (!hasEvidence(cell, layers_.channels(layer)) || !tile.mayBeCovered(index)) continue;
-    const CellPart part = partOf(*tile.cells, layer, index);
+    const CellPart part = movingPart(*tile.cells, layer, index);
     for (std::size_t i = 0; i < part.count; ++i) {
       taker.makeRoom(part, tile.placeOf(index, kCellParts[i]));
     }
@@ -98,12 +98,13 @@ void WaitingTiles::settleLayer(SettlingTile& tile, int layer, Taker& taker) {
       tile.is_left = true;
       continue;
     }
-    const CellPart part = partOf(store, layer, index);
+    const CellPart part = movingPart(store, layer, index);
     std::size_t left = part.count;
     for (std::size_t i = 0; i < part.count; ++i) {
       if (taker.take(part, tile.placeOf(index, kCellParts[i]))) --left;
     }
     layers_.model(layer).keep(static_cast<float>(left) * part.share, cell);
+    if (left == 0) store.forgetLimit(layer, index);
     tile.is_left = tile.is_left || left > 0;
   }
 }

@@ -33,7 +33,8 @@ void WaitingConfig::describe(ConfigSchema& schema) {
 }
 
 double WaitingConfig::scanMemory_mb(double range_m, double resolution_m) {
-  constexpr double kBytes = sizeof(float) + sizeof(CellStore::Stamp);  // log-odds, and when seen
+  // Log-odds, when seen, and a mark.
+  constexpr double kBytes = sizeof(float) + sizeof(CellStore::Stamp) + CellMarks::kBytesPerCell;
   // All tiles that the disc touches lie within the disc that is wider by a tile's diagonal.
   const double radius = range_m / (WaitingTile::kCells * resolution_m) + M_SQRT2;
   const double cells = M_PI * radius * radius * WaitingTile::kCells * WaitingTile::kCells;
@@ -134,10 +135,9 @@ CellPlace WaitingTiles::cellAt(const Eigen::Vector2d& place, std::uint64_t revis
 }
 
 /// Of a cell that moves.
-CellPart WaitingTiles::partOf(const CellStore& tile, int layer, int index) const {
+CellPart WaitingTiles::movingPart(const CellStore& tile, int layer, int index) const {
   const float* cell = tile.read(layers_, layer, index);
-  const std::size_t parts = partsOf(layers_.model(layer), cell);
-  return {layer, cell, 1.0F / static_cast<float>(parts), tile.seen(layer, index), parts};
+  return partOf(layers_, tile, layer, index, partsOf(layers_.model(layer), cell));
 }
 
 Eigen::Vector2d WaitingTiles::centreOf(const Sheet& sheet) const {
@@ -208,12 +208,13 @@ void WaitingTiles::packBeyond(const Eigen::Vector2d& place, double radius_m,
 std::size_t WaitingTiles::dropBeyondLimit(const Eigen::Vector2d& vehicle) {
   std::size_t tiles = 0;
   for (const Sheet& sheet : sheets_) tiles += sheet.tiles.size();
-  int floats = layers_.channelsTogether();
+  double cell_bytes = layers_.channelsTogether() * static_cast<double>(sizeof(float));
   for (int layer = 0; layer < layers_.count(); ++layer) {
-    if (layers_.model(layer).forgets()) ++floats;  // for when a cell was seen
+    if (!layers_.model(layer).hasLimits()) continue;
+    cell_bytes += sizeof(CellStore::Stamp) + CellMarks::kBytesPerCell;
   }
   const double limit = config_.max_memory_mb * kBytesPerMb;
-  const auto most = static_cast<double>(tiles) * kTileCells * kTileCells * sizeof(float) * floats;
+  const auto most = static_cast<double>(tiles) * kTileCells * kTileCells * cell_bytes;
   if (most <= limit) return 0;  // even if nothing is packed
   const auto used = static_cast<double>(memory().bytes());
   return used > limit ? drop(used - limit, vehicle) : 0;

@@ -144,7 +144,7 @@ class WaitingTiles {
   void forgetEmptySheets();
   std::size_t drop(double bytes, const Eigen::Vector2d& vehicle);
 
-  CellPart partOf(const CellStore& tile, int layer, int index) const;
+  CellPart movingPart(const CellStore& tile, int layer, int index) const;
 
   // Settling (waiting_settling.cpp).
   struct SettlingTile;

@@ -29,12 +29,21 @@ struct Cells {
   CellStore store;
 };
 
+/// A cell that is laid over another.
+struct Laid {
+  float log_odds;
+  std::uint64_t seen;
+  bool has_left_limit = false;
+};
+
 /// Lays a grid of cells (parts of them, if a share is told) over the first cell of another.
-void lay(const std::vector<std::pair<float, std::uint64_t>>& cells, float share, Cells& over) {
+void lay(const std::vector<Laid>& cells, float share, Cells& over) {
   CellOverlay overlay(over.layers, 100);
   std::vector<CellPart> parts;
-  for (const auto& [log_odds, seen] : cells)
-    parts.push_back({kOccupancy, &log_odds, share, seen, 1});
+  for (const Laid& cell : cells) {
+    const bool was_at_limit = cell.has_left_limit || std::abs(cell.log_odds) >= kLimit;
+    parts.push_back({kOccupancy, &cell.log_odds, share, cell.seen, 1, was_at_limit});
+  }
   for (const CellPart& part : parts) overlay.makeRoom(part, {&over.store, 0});
   for (const CellPart& part : parts) overlay.add(part, {&over.store, 0});
   overlay.finish();
@@ -48,6 +57,55 @@ TEST(CellOverlay, WhatWasSeenLaterStandsWhicheverMoves) {
   earlier_moves.write(0, kLimit, 2);
   lay({{-kLimit, 1}}, 1.0F, earlier_moves);
   EXPECT_FLOAT_EQ(earlier_moves.read(0), kLimit);
+}
+
+TEST(CellOverlay, OneHitAddsUpWithWhatWasKnownBefore) {
+  // In one grid, too, one hit leaves what was surely free in doubt.
+  constexpr float kHit = 2.9F;
+  Cells later_moves, earlier_moves;
+  later_moves.write(0, -kLimit, 1);
+  lay({{kHit, 2}}, 1.0F, later_moves);
+  EXPECT_FLOAT_EQ(later_moves.read(0), kHit - kLimit);
+  earlier_moves.write(0, kHit, 2);
+  lay({{-kLimit, 1}}, 1.0F, earlier_moves);
+  EXPECT_FLOAT_EQ(earlier_moves.read(0), kHit - kLimit);
+}
+
+TEST(CellOverlay, WhatWasAtALimitDoesNotDependOnWhatWasKnownBefore) {
+  // Many hits, then misses: the last grid knows for certain that something stands there, and how
+  // often it was missed since.
+  Cells later_moves, earlier_moves;
+  later_moves.write(0, -kLimit, 1);
+  lay({{1.5F, 2, true}}, 1.0F, later_moves);
+  EXPECT_FLOAT_EQ(later_moves.read(0), 1.5F);
+  earlier_moves.write(0, 1.5F, 2);
+  earlier_moves.store.noteLimit(kOccupancy, 0);
+  lay({{-kLimit, 1}}, 1.0F, earlier_moves);
+  EXPECT_FLOAT_EQ(earlier_moves.read(0), 1.5F);
+}
+
+TEST(CellOverlay, PartsThatWereAtALimitTogetherMakeForgetAllThatWasKnown) {
+  Cells cells;
+  cells.write(0, kLimit, 1);
+  lay({{-kLimit, 2}, {-kLimit, 2}, {-kLimit, 2}}, 1.0F / 3.0F, cells);
+  EXPECT_FLOAT_EQ(cells.read(0), -kLimit);
+}
+
+TEST(CellOverlay, ACellToWhichSuchPartsCameIsLikeThem) {
+  Cells cells;
+  lay({{1.5F, 2, true}}, 1.0F, cells);
+  EXPECT_TRUE(cells.store.hasLeftLimit(kOccupancy, 0));
+  lay({{-kLimit, 1}}, 1.0F, cells);
+  EXPECT_FLOAT_EQ(cells.read(0), 1.5F);
+}
+
+TEST(CellOverlay, WhetherACellWasAtALimitIsKnownWhenItWasPacked) {
+  Cells cells;
+  cells.write(0, 1.5F, 2);
+  cells.store.noteLimit(kOccupancy, 0);
+  cells.store.pack(3);
+  EXPECT_TRUE(cells.store.hasLeftLimit(kOccupancy, 0));
+  EXPECT_FALSE(cells.store.hasLeftLimit(kOccupancy, 1));
 }
 
 TEST(CellOverlay, OfTheSameTimeNeitherIsForgotten) {
@@ -91,14 +149,15 @@ TEST(CellOverlay, APackedRegionKnowsWhenItWasSeenAsAWhole) {
 RC_GTEST_PROP(CellOverlay, DoesNotDependOnTheOrderOfTwoGrids, ()) {
   const auto log_odds = [] { return static_cast<float>(*rc::gen::inRange(-35, 36)) / 10.0F; };
   const float first = log_odds(), second = log_odds();
+  const auto first_left = *rc::gen::arbitrary<bool>(), second_left = *rc::gen::arbitrary<bool>();
   const auto seen = *rc::gen::inRange<std::uint64_t>(1, 4);
   const auto kind =
       *rc::gen::arbitrary<bool>() ? CellStore::Seen::kCells : CellStore::Seen::kLayers;
   Cells one(kind), other(kind);
-  lay({{first, seen}}, 1.0F, one);
-  lay({{second, 2}}, 1.0F, one);
-  lay({{second, 2}}, 1.0F, other);
-  lay({{first, seen}}, 1.0F, other);
+  lay({{first, seen, first_left}}, 1.0F, one);
+  lay({{second, 2, second_left}}, 1.0F, one);
+  lay({{second, 2, second_left}}, 1.0F, other);
+  lay({{first, seen, first_left}}, 1.0F, other);
   RC_ASSERT(std::abs(one.read(0) - other.read(0)) < 1e-5F);
 }
 

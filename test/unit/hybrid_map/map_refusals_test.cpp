@@ -123,11 +123,12 @@ TEST(HybridMap, RefusesARangeOfWhichOneScanDoesNotFitWhatMayWait) {
     const HybridMap map(config);
     FAIL() << "accepted";
   } catch (const ConfigError& error) {
-    // A disc of 120 m has 17 672 tiles of 1.6 m with 1024 cells of 8 bytes: 145 MB, and its rim.
-    EXPECT_THAT(error.what(), HasSubstr("occupancy.range_m: one scan up to 120 m needs 151 MB"));
+    // A disc of 120 m has 17 672 tiles of 1.6 m with 1024 cells of 8 1/8 bytes: 147 MB, and its
+    // rim.
+    EXPECT_THAT(error.what(), HasSubstr("occupancy.range_m: one scan up to 120 m needs 153 MB"));
     EXPECT_THAT(error.what(), HasSubstr("more than waiting.max_memory_mb = 64"));
   }
-  config.waiting.max_memory_mb = 151.0;
+  config.waiting.max_memory_mb = 153.0;
   EXPECT_TRUE(config.problems().empty());
 }
 

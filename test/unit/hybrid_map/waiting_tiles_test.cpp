@@ -158,6 +158,28 @@ TEST(HybridMap, AnObstacleSeenLaterInAnotherSheetStandsAsInOneGrid) {
   EXPECT_GT(two.most({24.9, 5.0}), 0.9);
 }
 
+TEST(HybridMap, OneHitWhereItWasSurelyFreeIsInDoubtAsInOneGrid) {
+  TwoSheets two;
+  for (int scan = 0; scan < 50; ++scan) two.lookRight();
+  two.map.insert(beam({46.0, 5.0, M_PI}, 21.1));
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  ASSERT_GT(two.most({24.9, 5.0}), 0.9);
+  two.tellAgain();
+  EXPECT_EQ(two.sheetsAt({24.9, 5.0}), 1);
+  EXPECT_LT(two.most({24.9, 5.0}), 0.5);
+}
+
+TEST(HybridMap, WhatWasHitOftenAndThenMissedStandsAsInOneGrid) {
+  TwoSheets two;
+  for (int scan = 0; scan < 50; ++scan) two.lookRight();
+  for (int scan = 0; scan < 10; ++scan) two.map.insert(beam({46.0, 5.0, M_PI}, 21.1));
+  for (int scan = 0; scan < 4; ++scan) two.lookLeft();
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  two.tellAgain();
+  EXPECT_EQ(two.sheetsAt({24.9, 5.0}), 1);
+  EXPECT_GT(two.most({24.9, 5.0}), 0.8);
+}
+
 TEST(HybridMap, AnObstacleThatIsNoMoreThereInALaterSheetIsForgotten) {
   TwoSheets two;
   for (int scan = 0; scan < 10; ++scan) two.map.insert(beam({46.0, 5.0, M_PI}, 21.1));
