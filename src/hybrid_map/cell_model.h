@@ -49,8 +49,8 @@ class CellModel {
   /// Adds `share` (0 to 1) of the evidence of another cell.
   virtual void merge(const float* source, float share, float* cell) const;
 
-  /// Whether cells have limits beyond which they learn no more, and so forget: evidence that comes
-  /// to a limit says the same whatever was known before.
+  /// Whether cells have limits beyond which they learn no more, and so forget: evidence that came
+  /// to a limit is taken to say the same whatever was known before.
   virtual bool hasLimits() const { return false; }
   virtual bool isAtLimit(const float* /*cell*/) const { return false; }
 

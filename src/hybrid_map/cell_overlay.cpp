@@ -5,16 +5,6 @@
 #include "hybrid_map/cell_shares.h"
 
 namespace hymm::core {
-namespace {
-
-/// Whether what a cell says does not depend on what was known before its evidence came.
-bool wasAtLimit(const LayerSet& layers, const CellStore& store, int layer, int index) {
-  const CellModel& model = layers.model(layer);
-  return model.hasLimits() &&
-         (store.hasLeftLimit(layer, index) || model.isAtLimit(store.read(layers, layer, index)));
-}
-
-}  // namespace
 
 CellPart partOf(const LayerSet& layers, const CellStore& store, int layer, int index,
                 std::size_t count) {
@@ -23,7 +13,7 @@ CellPart partOf(const LayerSet& layers, const CellStore& store, int layer, int i
           1.0F / static_cast<float>(count),
           store.seen(layer, index),
           count,
-          wasAtLimit(layers, store, layer, index)};
+          store.wasAtLimit(layers, layer, index)};
 }
 
 CellOverlay::Region& CellOverlay::regionOf(int layer, CellStore& store) {
@@ -34,7 +24,7 @@ CellOverlay::Region& CellOverlay::regionOf(int layer, CellStore& store) {
     cellAt(layer, {&store, 0});  // which makes the cells
     for (int i = 0; i < store.cellCount(); ++i) {
       const std::uint64_t seen = store.seen(layer, i);
-      region.cells.push_back({seen, seen, wasAtLimit(layers_, store, layer, i)});
+      region.cells.push_back({seen, seen, store.wasAtLimit(layers_, layer, i)});
     }
   }
   last_key_ = key;
@@ -80,11 +70,13 @@ void CellOverlay::finish() {
       Region::Cell& cell = region.cells[std::size_t(i)];
       store->noteSeen(layer, i, cell.newest);
       const float* content = store->read(layers_, layer, i);
-      // Whether it is at a limit can be read of it. An obstacle leaves it unnoticed, by a miss.
+      // Whether it is at a limit can be read of it. Free space leaves it by a hit, which notes
+      // that; an obstacle by a miss, which does not.
       const bool is_at_limit = model.isAtLimit(content);
-      const bool is_noted = is_at_limit ? model.isOfOnePlace(content) : cell.at_limit >= kMost;
+      const bool is_noted =
+          is_at_limit ? model.isOfOnePlace(content) : cell.was_at_limit || cell.at_limit >= kMost;
       if (is_noted) store->noteLimit(layer, i);
-      cell = {cell.newest, cell.newest, cell.was_at_limit || is_noted || is_at_limit};
+      cell = {cell.newest, cell.newest, is_noted || is_at_limit};
     }
   }
 }

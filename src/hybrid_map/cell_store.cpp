@@ -30,6 +30,17 @@ void CellStore::noteSeen(int layer, int cell, std::uint64_t revision) {
   cells[cell] = std::max(cells[cell], static_cast<Stamp>(revision));
 }
 
+void CellStore::keep(const LayerSet& layers, int layer, int cell, float share) {
+  std::vector<float>& content = unpacked(layer);
+  Layer& kept = layers_[std::size_t(layer)];
+  if (share <= 0.0F) {
+    kept.noted_at_limit.reset(cell);
+  } else if (wasAtLimit(layers, layer, cell)) {
+    noteLimit(layer, cell);
+  }
+  layers.model(layer).keep(share, content.data() + std::ptrdiff_t{cell} * layers.channels(layer));
+}
+
 bool CellStore::isDue(int layer, std::uint64_t since_revision) const {
   const auto i = std::size_t(layer);
   return !layers_[i].content.empty() && revisions_[i] < since_revision;
@@ -42,7 +53,7 @@ void CellStore::pack(std::uint64_t since_revision) {
     layer.packed = PackedFloats(layer.content);
     layer.content = std::vector<float>();  // its memory is given back, as clear() would not
     layer.seen_cells = std::vector<Stamp>();
-    layer.left_limit.pack();
+    layer.noted_at_limit.pack();
   }
 }
 
@@ -53,7 +64,7 @@ void CellStore::packOccupancy(const TriangularGrid& grid, float threshold,
   layer.tree = OccupancyQuadtree(grid, layer.content, threshold);
   layer.content = std::vector<float>();
   layer.seen_cells = std::vector<Stamp>();
-  layer.left_limit.pack();
+  layer.noted_at_limit.pack();
 }
 
 void CellStore::forget(std::uint64_t revision) {
@@ -62,7 +73,7 @@ void CellStore::forget(std::uint64_t revision) {
     const std::size_t size = unpacked(static_cast<int>(i)).size();
     layers_[i].content = std::vector<float>();
     layers_[i].seen_cells = std::vector<Stamp>();
-    layers_[i].left_limit = {};
+    layers_[i].noted_at_limit = {};
     layers_[i].tree = {};
     layers_[i].packed = PackedFloats(std::vector<float>(size, 0.0F));
     revisions_[i] = revision;
@@ -75,7 +86,7 @@ void CellStore::unpack(int layer) const {
   packed.content = packed.unpacked();
   packed.packed = {};
   packed.tree = {};
-  packed.left_limit.unpack();
+  packed.noted_at_limit.unpack();
   beginSeenCells(layer);
 }
 
@@ -94,10 +105,11 @@ void CellStore::addMemory(CellMemory& sum) const {
   for (const Layer& layer : layers_) {
     sum.unpacked_bytes += layer.content.capacity() * sizeof(float);
     sum.unpacked_bytes += layer.seen_cells.capacity() * sizeof(Stamp);
-    sum.unpacked_bytes += layer.left_limit.unpackedBytes();
-    sum.packed_bytes += layer.packed.bytes() + layer.tree.bytes() + layer.left_limit.packedBytes();
+    sum.unpacked_bytes += layer.noted_at_limit.unpackedBytes();
+    sum.packed_bytes +=
+        layer.packed.bytes() + layer.tree.bytes() + layer.noted_at_limit.packedBytes();
     sum.packed_from_bytes += layer.packed.unpackedBytes() + layer.tree.unpackedBytes() +
-                             layer.left_limit.packedFromBytes();
+                             layer.noted_at_limit.packedFromBytes();
   }
 }
 

@@ -98,20 +98,21 @@ class CellStore {
     return cells.empty() ? nullptr : cells.data();
   }
 
-  /// Whether a cell of a layer that is not empty was at a limit of its model since its evidence
-  /// began to come, and has left it: a hit in a cell that was surely free, or misses after many
-  /// hits.
-  bool hasLeftLimit(int layer, int cell) const {
-    unpacked(layer);
-    return layers_[std::size_t(layer)].left_limit.has(cell);
+  /// Whether a cell of a layer that is not empty has been at a limit of its model since its
+  /// evidence began to come here, be it that it is there now, or that it was noted.
+  bool wasAtLimit(const LayerSet& layers, int layer, int cell) const {
+    const CellModel& model = layers.model(layer);
+    return model.hasLimits() && (model.isAtLimit(read(layers, layer, cell)) ||
+                                 layers_[std::size_t(layer)].noted_at_limit.has(cell));
   }
-  /// Of a cell that leaves a limit, or will when what it holds changes.
+  /// Of a cell that leaves a limit, or may without being looked at.
   void noteLimit(int layer, int cell) {
     unpacked(layer);
-    layers_[std::size_t(layer)].left_limit.set(cell, cells_);
+    layers_[std::size_t(layer)].noted_at_limit.set(cell, cells_);
   }
-  /// Of a cell whose evidence went elsewhere.
-  void forgetLimit(int layer, int cell) { layers_[std::size_t(layer)].left_limit.reset(cell); }
+
+  /// Leaves `share` of a cell's evidence here; the rest went elsewhere.
+  void keep(const LayerSet& layers, int layer, int cell, float share);
 
   void addMemory(CellMemory& sum) const;
 
@@ -129,7 +130,7 @@ class CellStore {
     OccupancyQuadtree tree;
     bool keeps_seen_cells = false;
     std::vector<Stamp> seen_cells;  ///< empty while packed
-    CellMarks left_limit;
+    CellMarks noted_at_limit;
   };
   std::vector<float>& unpacked(int layer) const {
     Layer& wanted = layers_[std::size_t(layer)];

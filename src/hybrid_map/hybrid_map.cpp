@@ -205,7 +205,7 @@ class HybridMap::Impl {
 
  private:
   static constexpr const char* kStateKind = "hymm dense map";
-  static constexpr std::uint32_t kStateVersion = 3;
+  static constexpr std::uint32_t kStateVersion = 4;
 
   std::vector<std::string> layerTexts() const {
     std::vector<std::string> texts;

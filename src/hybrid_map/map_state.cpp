@@ -51,7 +51,7 @@ void CellStore::save(StateWriter& archive) const {
   std::vector<float> buffer;
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     archive(revisions_[i], seen_[i], layers_[i].isPacked(), peek(static_cast<int>(i), buffer),
-            layers_[i].seen_cells, layers_[i].left_limit.bits());
+            layers_[i].seen_cells, layers_[i].noted_at_limit.bits());
   }
 }
 
@@ -60,18 +60,18 @@ void CellStore::restore(const LayerSet& layers, StateReader& archive) {
     std::vector<float> content;
     bool is_packed = false;
     std::vector<Stamp> seen_cells;
-    std::vector<std::uint8_t> left_limit;
-    archive(revisions_[i], seen_[i], is_packed, content, seen_cells, left_limit);
+    std::vector<std::uint8_t> noted_at_limit;
+    archive(revisions_[i], seen_[i], is_packed, content, seen_cells, noted_at_limit);
     const auto channels = std::size_t(layers.channels(static_cast<int>(i)));
     const std::size_t size = revisions_[i] == 0 ? 0 : std::size_t(cells_) * channels;
     archive.require(content.size() == size, "a layer has another number of cells than its region");
     const bool has_seen_cells = layers_[i].keeps_seen_cells && !is_packed && size > 0;
     archive.require(seen_cells.size() == (has_seen_cells ? std::size_t(cells_) : 0U),
                     "it does not tell of each cell when it was seen");
-    archive.require(size > 0 ? CellMarks::fit(left_limit, cells_) : left_limit.empty(),
+    archive.require(size > 0 ? CellMarks::fit(noted_at_limit, cells_) : noted_at_limit.empty(),
                     "it tells of another number of cells whether they were at a limit");
-    layers_[i].left_limit.setBits(std::move(left_limit));
-    if (is_packed) layers_[i].left_limit.pack();
+    layers_[i].noted_at_limit.setBits(std::move(noted_at_limit));
+    if (is_packed) layers_[i].noted_at_limit.pack();
     layers_[i].tree = {};
     layers_[i].packed = is_packed && size > 0 ? PackedFloats(content) : PackedFloats();
     if (is_packed) content.clear();

@@ -2,12 +2,6 @@
 
 namespace hymm::core {
 
-PairCovariances::PairCovariances(const LandmarkMap& map) : map_(map) {
-  for (const CrossCovariance& pair : map.cross_covariances) {
-    pairs_[keyOf(pair.first_id, pair.second_id)] = &pair;
-  }
-}
-
 PairCovariances::PairCovariances(const LandmarkMap& map, const std::unordered_set<int>& ids)
     : map_(map) {
   for (const CrossCovariance& pair : map.cross_covariances) {

@@ -14,8 +14,7 @@ namespace hymm::core {
 /// Joint covariances of the landmarks of one epoch, as far as it tells them.
 class PairCovariances {
  public:
-  /// Of all pairs, or those among `ids`; `map` outlives the object.
-  explicit PairCovariances(const LandmarkMap& map);
+  /// Keeps the pairs among `ids`; `map` outlives the object.
   PairCovariances(const LandmarkMap& map, const std::unordered_set<int>& ids);
 
   /// The covariance between two landmarks [m^2]; nothing where it is not told.

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,13 +16,14 @@ namespace hymm::core {
 /// How well landmarks of one epoch are known relative to each other.
 class RelativeDeviations {
  public:
-  /// `map` outlives the object.
-  explicit RelativeDeviations(const LandmarkMap& map);
+  /// Of the landmarks `ids`; `map` outlives the object.
+  RelativeDeviations(const LandmarkMap& map, const std::unordered_set<int>& ids);
 
   /// Of one landmark's place relative to another's [m], in the direction in which it is largest.
   /// Where the map does not tell their covariance, since they are far apart: as if they were
-  /// independent, were it known where the landmarks between them are. Where there are no two such,
-  /// the most that it can be. Infinite for unknown landmarks.
+  /// independent, were it known where the landmarks between them are. Where none are between, or
+  /// all so near to each other that they tell no direction, the most that it can be. Infinite for
+  /// unknown landmarks.
   double between(int one, int other) const;
 
   /// Of any of the one relative to any of the other. None is more than that of the one relative to
@@ -35,8 +37,8 @@ class RelativeDeviations {
   std::optional<Matrix2> blockThrough(const std::vector<int>& between, int one, int other) const;
 
   std::unordered_map<int, const LandmarkEstimate*> landmarks_;
-  std::unordered_map<int, std::vector<int>> told_with_;  ///< by id, ascending
-  PairCovariances pairs_;
+  std::unordered_map<int, std::vector<int>> told_with_;  ///< of `ids`; ascending
+  std::optional<PairCovariances> pairs_;
 };
 
 }  // namespace hymm::core

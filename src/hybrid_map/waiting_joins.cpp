@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <unordered_set>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,6 +19,10 @@ namespace {
 // Along the line between two sheets, both keep what they saw this near to it: else a gap would open
 // where they move apart.
 constexpr double kSeam_m = 0.5;
+
+// Cells that two sheets, or the line between them, may have moved by since they were joined, for
+// what was written before to be where it belongs still.
+constexpr double kMostMoved = 0.5;
 
 bool intersect(const WaitingTiles::Box& a, const WaitingTiles::Box& b) {
   return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
@@ -78,7 +83,7 @@ class WaitingTiles::CellMove {
   }
 
   /// Of a tile where nothing was written since the last time, nor in those that it lies on, all has
-  /// moved that may.
+  /// moved that may. At that revision something may have come from a third sheet afterwards.
   bool mayMove(const TilePlace& place, const CellStore& from) const {
     const Eigen::Vector2d middle =
         kTileCells * Eigen::Vector2d(place.first + 0.5, place.second + 0.5);
@@ -89,7 +94,7 @@ class WaitingTiles::CellMove {
         const TilePlace other(static_cast<int>(tile.x()) + x, static_cast<int>(tile.y()) + y);
         const auto found = to_.tiles.find(other);
         if (found == to_.tiles.end()) continue;
-        if (std::max(from.lastRevision(), found->second.lastRevision()) > joined_) return true;
+        if (std::max(from.lastRevision(), found->second.lastRevision()) >= joined_) return true;
       }
     }
     return false;
@@ -124,37 +129,34 @@ class WaitingTiles::CellMove {
     for (int index = 0; index < tile.cellCount(); ++index, cell += channels) {
       if (!hasEvidence(cell, channels)) continue;
       const Eigen::Vector2d corner = cornerOf(place, index);
-      float left = 1.0F;
-      if (isBeyondSeam(middleOf(corner))) {
-        left = visitTargets(
-            corner, tiles_.movingPart(tile, layer, index),
-            [&](const CellPart& part, CellPlace target) { overlay_.add(part, target); });
-      }
-      if (left < 1.0F) layers_.model(layer).keep(left, cell);
-      if (left <= 0.0F) tile.forgetLimit(layer, index);
-      has_moved = has_moved || left < 1.0F;
-      is_empty = is_empty && left <= 0.0F;
+      const bool moves =
+          isBeyondSeam(middleOf(corner)) &&
+          visitTargets(corner, tiles_.movingPart(tile, layer, index),
+                       [&](const CellPart& part, CellPlace target) { overlay_.add(part, target); });
+      if (moves) tile.keep(layers_, layer, index, 0.0F);
+      has_moved = has_moved || moves;
+      is_empty = is_empty && moves;
     }
     if (has_moved) tile.rearrange(layers_, layer, revision_);
     return is_empty;
   }
 
-  /// Visits the cells to which the parts of a cell belong. Returns the share of the cell that found
-  /// no tile.
+  /// Visits the cells to which the parts of a cell belong, if there are tiles for all of them.
+  /// Returns whether there are.
   template <class Visit>
-  float visitTargets(const Eigen::Vector2d& corner, const CellPart& part, Visit&& visit) {
+  bool visitTargets(const Eigen::Vector2d& corner, const CellPart& part, Visit&& visit) {
     const Eigen::Vector2d other = toOther(corner);
-    std::size_t left = part.count;
+    std::array<CellPlace, kCellParts.size()> targets;
     for (std::size_t i = 0; i < part.count; ++i) {
       const Eigen::Vector2d at = other + parts_[i];
       const int x = static_cast<int>(std::floor(at.x())), y = static_cast<int>(std::floor(at.y()));
       const int in_x = x & (kTileCells - 1), in_y = y & (kTileCells - 1);
       CellStore* tile = tileAt({(x - in_x) / kTileCells, (y - in_y) / kTileCells});
-      if (tile == nullptr) continue;
-      visit(part, CellPlace{tile, in_y * kTileCells + in_x});
-      --left;
+      if (tile == nullptr) return false;
+      targets[i] = {tile, in_y * kTileCells + in_x};
     }
-    return static_cast<float>(left) * part.share;
+    for (std::size_t i = 0; i < part.count; ++i) visit(part, targets[i]);
+    return true;
   }
 
   CellStore* tileAt(const TilePlace& place) {
@@ -170,7 +172,8 @@ class WaitingTiles::CellMove {
   const WaitingTiles& tiles_;
   const LayerSet& layers_;
   Sheet &from_, &to_;
-  std::uint64_t joined_, revision_;  ///< when they were joined last, and now
+  std::uint64_t joined_;  ///< the last time, as they lie now; 0: never
+  std::uint64_t revision_;
   CellOverlay overlay_;
   /// To these, too, something may have come from the other sheet.
   std::vector<std::map<TilePlace, CellStore>::node_type> emptied_;
@@ -221,30 +224,41 @@ void WaitingTiles::join(const LandmarkMap& map, const LandmarkPlaces& landmarks,
     if (i == selected_ || anchors[0] < 0 || anchors[1] < 0) continue;
     candidates.push_back({&sheet, anchors, anchorMiddle(sheet, landmarks), boxOf(sheet)});
   }
-  const auto joinedAt = [this](const Candidate& a, const Candidate& b) {
+  const auto lastJoin = [this](const Candidate& a, const Candidate& b) {
     const auto joined = joined_.find({a.sheet->id, b.sheet->id});
-    return joined == joined_.end() ? 0 : joined->second;
+    return joined == joined_.end() ? Joined() : joined->second;
+  };
+  const auto middlesOf = [](const Candidate& a, const Candidate& b) {
+    const Pose2 T_a_map = inverse(a.sheet->T_map_sheet), T_b_map = inverse(b.sheet->T_map_sheet);
+    Joined::Places middles;
+    middles << T_a_map * a.middle, T_a_map * b.middle, T_b_map * a.middle, T_b_map * b.middle;
+    return middles;
   };
   std::vector<std::pair<const Candidate*, const Candidate*>> pairs;
+  std::unordered_set<int> ids;
   for (auto a = candidates.begin(); a != candidates.end(); ++a) {
     for (auto b = a + 1; b != candidates.end(); ++b) {
-      if (joinedAt(*a, *b) >= std::max(a->sheet->written, b->sheet->written)) continue;
+      if (lastJoin(*a, *b).revision >= std::max(a->sheet->written, b->sheet->written)) continue;
       if (!intersect(a->box, b->box)) continue;
       pairs.emplace_back(&*a, &*b);
+      for (const Candidate* one : {&*a, &*b}) ids.insert(one->anchors.begin(), one->anchors.end());
     }
   }
   if (pairs.empty()) return;  // as with most maps: spares a look at all their covariances
-  const RelativeDeviations deviations(map);
+  const RelativeDeviations deviations(map, ids);
   for (const auto& [a, b] : pairs) {
     if (deviations.largest(a->anchors, b->anchors) > most_deviation_m) continue;
-    const std::uint64_t joined = joinedAt(*a, *b);
+    const Joined last = lastJoin(*a, *b);
+    const Joined::Places middles = middlesOf(*a, *b);
+    const double moved_m = (middles - last.middles).colwise().norm().maxCoeff();
+    const std::uint64_t joined = moved_m <= kMostMoved * resolution_m_ ? last.revision : 0;
     CellMove there(*this, *a->sheet, *b->sheet, a->middle, b->middle, joined, revision);
     CellMove back(*this, *b->sheet, *a->sheet, b->middle, a->middle, joined, revision);
     there.run();
     back.run();
     there.finish();
     back.finish();
-    joined_[{a->sheet->id, b->sheet->id}] = revision;
+    joined_[{a->sheet->id, b->sheet->id}] = {revision, middles};
     a->sheet->written = b->sheet->written = std::max(a->sheet->written, b->sheet->written);
   }
 }

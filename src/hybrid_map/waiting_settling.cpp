@@ -103,8 +103,7 @@ void WaitingTiles::settleLayer(SettlingTile& tile, int layer, Taker& taker) {
     for (std::size_t i = 0; i < part.count; ++i) {
       if (taker.take(part, tile.placeOf(index, kCellParts[i]))) --left;
     }
-    layers_.model(layer).keep(static_cast<float>(left) * part.share, cell);
-    if (left == 0) store.forgetLimit(layer, index);
+    store.keep(layers_, layer, index, static_cast<float>(left) * part.share);
     tile.is_left = tile.is_left || left > 0;
   }
 }

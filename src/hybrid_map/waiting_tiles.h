@@ -77,7 +77,7 @@ class WaitingTiles {
   class Taker {
    public:
     virtual ~Taker() = default;
-    /// Of all parts of the sheet, if the layer's model forgets; `place` in map.
+    /// Of all parts of the sheet, if the layer's model has limits; `place` in map.
     virtual void makeRoom(const CellPart& part, const Eigen::Vector2d& place) = 0;
     /// Of all parts of the sheet. Returns whether it took the part, which then is no longer here.
     virtual bool take(const CellPart& part, const Eigen::Vector2d& place) = 0;
@@ -154,6 +154,19 @@ class WaitingTiles {
 
   // Joining (waiting_joins.cpp).
   using SheetPair = std::pair<std::uint64_t, std::uint64_t>;  ///< ids, ascending
+  /// How two sheets were joined last.
+  struct Joined {
+    using Places = Eigen::Matrix<double, 2, 4>;
+    std::uint64_t revision = 0;  ///< 0: they were not
+    /// The middles between the anchors of the one and of the other, in each sheet [m]: how they lay
+    /// to each other, and where the line between them was.
+    Places middles = Places::Zero();
+
+    template <class Archive>
+    void describeState(Archive& archive) {
+      archive(revision, middles);
+    }
+  };
   Eigen::Vector2d anchorMiddle(const Sheet& sheet, const LandmarkPlaces& landmarks) const;
   Box boxOf(const Sheet& sheet) const;
   class CellMove;
@@ -163,7 +176,7 @@ class WaitingTiles {
   double resolution_m_;
   std::vector<Sheet> sheets_;
   std::size_t selected_ = 0;
-  std::map<SheetPair, std::uint64_t> joined_;  ///< at which revision
+  std::map<SheetPair, Joined> joined_;
   std::uint64_t sheets_made_ = 0;
   Pose2 T_cells_map_;  ///< of the selected sheet
   CellStore* last_tile_ = nullptr;

@@ -94,9 +94,34 @@ TEST(CellOverlay, PartsThatWereAtALimitTogetherMakeForgetAllThatWasKnown) {
 TEST(CellOverlay, ACellToWhichSuchPartsCameIsLikeThem) {
   Cells cells;
   lay({{1.5F, 2, true}}, 1.0F, cells);
-  EXPECT_TRUE(cells.store.hasLeftLimit(kOccupancy, 0));
+  EXPECT_TRUE(cells.store.wasAtLimit(cells.layers, kOccupancy, 0));
   lay({{-kLimit, 1}}, 1.0F, cells);
   EXPECT_FLOAT_EQ(cells.read(0), 1.5F);
+}
+
+TEST(CellOverlay, WhatWasSurelyFreeKnowsThatWhenAHitWasLaidOverIt) {
+  // What a third grid saw before either does not matter then, as it would not in one grid.
+  constexpr float kHit = 2.9F;
+  for (const float first : {-kLimit, kLimit}) {
+    Cells cells;
+    cells.write(0, -kLimit, 5);
+    lay({{kHit, 10}}, 1.0F, cells);
+    EXPECT_TRUE(cells.store.wasAtLimit(cells.layers, kOccupancy, 0));
+    lay({{first, 1}}, 1.0F, cells);
+    EXPECT_FLOAT_EQ(cells.read(0), kHit - kLimit) << first;
+  }
+}
+
+TEST(CellOverlay, ACellWhoseEvidenceWentElsewhereBeginsAnew) {
+  Cells cells;
+  cells.write(0, 1.5F, 2);
+  cells.store.noteLimit(kOccupancy, 0);
+  cells.store.keep(cells.layers, kOccupancy, 0, 0.0F);
+  cells.write(0, 1.0F, 3);
+  EXPECT_FALSE(cells.store.wasAtLimit(cells.layers, kOccupancy, 0));
+  cells.write(1, -kLimit, 4);
+  cells.store.keep(cells.layers, kOccupancy, 1, 0.5F);
+  EXPECT_TRUE(cells.store.wasAtLimit(cells.layers, kOccupancy, 1));
 }
 
 TEST(CellOverlay, WhetherACellWasAtALimitIsKnownWhenItWasPacked) {
@@ -104,8 +129,8 @@ TEST(CellOverlay, WhetherACellWasAtALimitIsKnownWhenItWasPacked) {
   cells.write(0, 1.5F, 2);
   cells.store.noteLimit(kOccupancy, 0);
   cells.store.pack(3);
-  EXPECT_TRUE(cells.store.hasLeftLimit(kOccupancy, 0));
-  EXPECT_FALSE(cells.store.hasLeftLimit(kOccupancy, 1));
+  EXPECT_TRUE(cells.store.wasAtLimit(cells.layers, kOccupancy, 0));
+  EXPECT_FALSE(cells.store.wasAtLimit(cells.layers, kOccupancy, 1));
 }
 
 TEST(CellOverlay, OfTheSameTimeNeitherIsForgotten) {
@@ -159,6 +184,10 @@ RC_GTEST_PROP(CellOverlay, DoesNotDependOnTheOrderOfTwoGrids, ()) {
   lay({{second, 2, second_left}}, 1.0F, other);
   lay({{first, seen, first_left}}, 1.0F, other);
   RC_ASSERT(std::abs(one.read(0) - other.read(0)) < 1e-5F);
+  const auto wasAtLimit = [](const Cells& cells) {
+    return cells.store.wasAtLimit(cells.layers, kOccupancy, 0);
+  };
+  RC_ASSERT(one.read(0) == 0.0F || wasAtLimit(one) == wasAtLimit(other));
 }
 
 }  // namespace

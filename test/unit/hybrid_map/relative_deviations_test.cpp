@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <limits>
+#include <set>
+#include <unordered_set>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -57,6 +59,11 @@ class Drive {
   }
   double distance(Eigen::Index a, Eigen::Index b) const { return (place(a) - place(b)).norm(); }
   Eigen::Index size() const { return landmarks_; }
+  std::unordered_set<int> ids() const {
+    std::unordered_set<int> ids;
+    for (int id = 0; id < static_cast<int>(landmarks_); ++id) ids.insert(id);
+    return ids;
+  }
 
   /// As the filter tells it.
   LandmarkMap map() const {
@@ -99,7 +106,7 @@ class Drive {
 TEST(RelativeDeviations, AreThoseOfTheJointCovarianceWhereTheMapTellsIt) {
   const Drive drive;
   const LandmarkMap map = drive.map();
-  const RelativeDeviations deviations(map);
+  const RelativeDeviations deviations(map, drive.ids());
   EXPECT_NEAR(deviations.between(2, 5), drive.deviation(2, 5), 1e-9);
   EXPECT_EQ(deviations.between(3, 3), 0.0);
 }
@@ -107,7 +114,7 @@ TEST(RelativeDeviations, AreThoseOfTheJointCovarianceWhereTheMapTellsIt) {
 TEST(RelativeDeviations, ComeNearTheTruthThroughTheLandmarksBetween) {
   const Drive drive;
   const LandmarkMap map = drive.map();
-  const RelativeDeviations deviations(map);
+  const RelativeDeviations deviations(map, drive.ids());
   int pairs = 0;
   for (Eigen::Index a = 0; a < drive.size(); ++a) {
     for (Eigen::Index b = a + 1; b < drive.size(); ++b) {
@@ -123,7 +130,7 @@ TEST(RelativeDeviations, ComeNearTheTruthThroughTheLandmarksBetween) {
 TEST(RelativeDeviations, AreAtMostTheSumWhereNothingIsBetween) {
   const Drive drive;
   const LandmarkMap map = drive.map();
-  const RelativeDeviations deviations(map);
+  const RelativeDeviations deviations(map, drive.ids());
   const int last = static_cast<int>(drive.size()) - 1;  // 110 m on
   const auto deviationOf = [&](Eigen::Index l) {
     return std::sqrt(drive.block(l, l).selfadjointView<Eigen::Lower>().eigenvalues()[1]);
@@ -135,7 +142,7 @@ TEST(RelativeDeviations, AreAtMostTheSumWhereNothingIsBetween) {
 TEST(RelativeDeviations, OfPairsAreNoMoreThanByWayOfTheOthers) {
   const Drive drive;
   const LandmarkMap map = drive.map();
-  const RelativeDeviations deviations(map);
+  const RelativeDeviations deviations(map, drive.ids());
   // 0 and 14 are 70 m apart, too far for what lies between; 8 is near both.
   const double by_way = deviations.between(0, 8) + deviations.between(8, 14);
   ASSERT_LT(by_way, deviations.between(0, 14));
@@ -146,9 +153,40 @@ TEST(RelativeDeviations, OfPairsAreNoMoreThanByWayOfTheOthers) {
 TEST(RelativeDeviations, OfUnknownLandmarksAreInfinite) {
   const Drive drive;
   const LandmarkMap map = drive.map();
-  const RelativeDeviations deviations(map);
+  const RelativeDeviations deviations(map, drive.ids());
   EXPECT_TRUE(std::isinf(deviations.between(0, 99)));
   EXPECT_TRUE(std::isinf(deviations.largest({0, 1}, {2, 99})));
+}
+
+TEST(RelativeDeviations, AreTheSumWhereThoseBetweenTellNoDirection) {
+  // 0 and 7 are 36 m apart. Of the landmarks between only two are told, 1 m apart.
+  const Drive drive;
+  LandmarkMap map = drive.map();
+  map.landmarks[4].position = map.landmarks[2].position + Eigen::Vector2d(1.0, 0.0);
+  const std::set<int> told = {0, 2, 4, 7};
+  auto& pairs = map.cross_covariances;
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                             [&](const CrossCovariance& pair) {
+                               return told.count(pair.first_id) + told.count(pair.second_id) < 2;
+                             }),
+              pairs.end());
+  const RelativeDeviations clump(map, {0, 7});
+  const double alone = clump.between(0, 7);
+  map.landmarks[4].position = drive.place(4);
+  const RelativeDeviations spread(map, {0, 7});
+  EXPECT_LT(spread.between(0, 7), 0.8 * alone);
+}
+
+TEST(RelativeDeviations, AreNotMadeSmallByCovariancesThatCannotBe) {
+  const Drive drive;
+  LandmarkMap map = drive.map();
+  for (CrossCovariance& pair : map.cross_covariances) {
+    pair.block.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  map.cross_covariances.push_back({0, 999, Matrix2d::Zero()});
+  map.cross_covariances.push_back({7, 999, Matrix2d::Zero()});
+  const RelativeDeviations deviations(map, {0, 7});
+  EXPECT_GE(deviations.between(0, 7), drive.deviation(0, 7));
 }
 
 }  // namespace

@@ -180,6 +180,36 @@ TEST(HybridMap, WhatWasHitOftenAndThenMissedStandsAsInOneGrid) {
   EXPECT_GT(two.most({24.9, 5.0}), 0.8);
 }
 
+TEST(HybridMap, AMapThatWasSavedKnowsWhatWasHitOftenAndThenMissed) {
+  TwoSheets two;
+  for (int scan = 0; scan < 50; ++scan) two.lookRight();
+  for (int scan = 0; scan < 10; ++scan) two.map.insert(beam({46.0, 5.0, M_PI}, 21.1));
+  for (int scan = 0; scan < 4; ++scan) two.lookLeft();
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  two.map.loadState(two.map.saveState(), "map", two.landmarks.version);
+  two.tellAgain();
+  EXPECT_GT(two.most({24.9, 5.0}), 0.8);
+}
+
+TEST(HybridMap, WhatIsWrittenAfterTwoSheetsWereJoinedIsJoinedToo) {
+  TwoSheets two;
+  two.lookRight();
+  two.lookLeft();
+  const auto leave = [&] {
+    two.map.insert(beam({100.0, 100.0, 0.0}, 2.0, two.landmarks.version));
+    two.tellAgain();
+  };
+  leave();
+  ASSERT_EQ(two.sheetsAt({24.9, 5.0}), 1);
+  for (int scan = 0; scan < 10; ++scan) {
+    two.map.insert(beam({46.0, 5.0, M_PI}, 21.1, two.landmarks.version));
+  }
+  ASSERT_EQ(two.sheetsAt({24.9, 5.0}), 2);
+  leave();
+  EXPECT_EQ(two.sheetsAt({24.9, 5.0}), 1);
+  EXPECT_GT(two.most({24.9, 5.0}), 0.9);
+}
+
 TEST(HybridMap, AnObstacleThatIsNoMoreThereInALaterSheetIsForgotten) {
   TwoSheets two;
   for (int scan = 0; scan < 10; ++scan) two.map.insert(beam({46.0, 5.0, M_PI}, 21.1));
