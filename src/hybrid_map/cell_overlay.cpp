@@ -68,8 +68,12 @@ void CellOverlay::finish() {
     const CellModel& model = layers_.model(layer);
     for (int i = 0; i < store->cellCount(); ++i) {
       Region::Cell& cell = region.cells[std::size_t(i)];
-      store->noteSeen(layer, i, cell.newest);
       const float* content = store->read(layers_, layer, i);
+      if (!hasEvidence(content, layers_.channels(layer))) {  // or no more: what was there moved on
+        cell = {};
+        continue;
+      }
+      store->noteSeen(layer, i, cell.newest);
       // Whether it is at a limit can be read of it. Free space leaves it by a hit, which notes
       // that; an obstacle by a miss, which does not.
       const bool is_at_limit = model.isAtLimit(content);

@@ -35,6 +35,7 @@ void CellStore::keep(const LayerSet& layers, int layer, int cell, float share) {
   Layer& kept = layers_[std::size_t(layer)];
   if (share <= 0.0F) {
     kept.noted_at_limit.reset(cell);
+    if (Stamp* seen = seenCells(layer)) seen[cell] = 0;
   } else if (wasAtLimit(layers, layer, cell)) {
     noteLimit(layer, cell);
   }

@@ -124,6 +124,21 @@ TEST(CellOverlay, ACellWhoseEvidenceWentElsewhereBeginsAnew) {
   EXPECT_TRUE(cells.store.wasAtLimit(cells.layers, kOccupancy, 1));
 }
 
+TEST(CellOverlay, ACellWhoseEvidenceWentElsewhereMeanwhileBeginsAnew) {
+  // As when two grids are laid over each other, each on its side.
+  Cells cells;
+  cells.write(0, -kLimit, 5);
+  CellOverlay overlay(cells.layers, 100);
+  const float hit = 2.9F;
+  overlay.add({kOccupancy, &hit, 1.0F, 6, 1, false}, {&cells.store, 1});
+  cells.store.keep(cells.layers, kOccupancy, 0, 0.0F);
+  overlay.finish();
+  EXPECT_FALSE(cells.store.wasAtLimit(cells.layers, kOccupancy, 0));
+  lay({{-1.0F, 1}}, 1.0F, cells);
+  EXPECT_FLOAT_EQ(cells.read(0), -1.0F);
+  EXPECT_EQ(cells.store.seen(kOccupancy, 0), 1U);
+}
+
 TEST(CellOverlay, WhetherACellWasAtALimitIsKnownWhenItWasPacked) {
   Cells cells;
   cells.write(0, 1.5F, 2);
