@@ -31,7 +31,8 @@ bool intersect(const WaitingTiles::Box& a, const WaitingTiles::Box& b) {
 }  // namespace
 
 /// Moves cells of one sheet into tiles of another, on the other's side of the line halfway between
-/// their anchors, as if what was seen later had been written on top of the other.
+/// their anchors, as if what was seen later had been written on top of the other. Where there is no
+/// such line, as the anchors are the same, the sheet that was begun first takes all.
 class WaitingTiles::CellMove {
  public:
   CellMove(const WaitingTiles& tiles, Sheet& from, Sheet& to, const Eigen::Vector2d& from_middle,
@@ -48,8 +49,14 @@ class WaitingTiles::CellMove {
     turn_ = T_to_from.rotation();
     shift_ = T_to_from.position() / tiles.resolution_m_;
     halfway_ = T_from_map * (0.5 * (from_middle + to_middle)) / tiles.resolution_m_;
-    towards_ = T_from_map.rotation() * (to_middle - from_middle).normalized();
-    seam_ = kSeam_m / tiles.resolution_m_;
+    const Eigen::Vector2d apart = to_middle - from_middle;
+    if (apart.norm() > kSeam_m) {
+      towards_ = T_from_map.rotation() * apart.normalized();
+      seam_ = kSeam_m / tiles.resolution_m_;
+    } else {  // as when anchors were merged with the other's
+      towards_.setZero();
+      seam_ = (from.id > to.id ? -1.0 : 1.0) * std::numeric_limits<double>::infinity();
+    }
     for (std::size_t i = 0; i < kCellParts.size(); ++i) parts_[i] = turn_ * kCellParts[i];
   }
 

@@ -210,6 +210,20 @@ TEST(HybridMap, WhatIsWrittenAfterTwoSheetsWereJoinedIsJoinedToo) {
   EXPECT_GT(two.most({24.9, 5.0}), 0.9);
 }
 
+TEST(HybridMap, SheetsWhoseAnchorsTurnOutToBeTheSameComeTogether) {
+  TwoSheets two;
+  for (int scan = 0; scan < 50; ++scan) two.lookRight();
+  for (int scan = 0; scan < 10; ++scan) two.map.insert(beam({46.0, 5.0, 0.0}, 12.1));
+  two.map.insert(beam({100.0, 100.0, 0.0}, 2.0));
+  two.landmarks.landmarks.resize(2);
+  correlate(two.landmarks);
+  two.landmarks.merges = {{2, 0}, {3, 1}};
+  two.tellAgain();
+  EXPECT_EQ(two.sheetsAt({10.0, 5.0}), 1);
+  EXPECT_EQ(two.sheetsAt({18.1, 5.0}), 1);
+  EXPECT_GT(two.most({18.1, 5.0}), 0.9);
+}
+
 TEST(HybridMap, AnObstacleThatIsNoMoreThereInALaterSheetIsForgotten) {
   TwoSheets two;
   for (int scan = 0; scan < 10; ++scan) two.map.insert(beam({46.0, 5.0, M_PI}, 21.1));
