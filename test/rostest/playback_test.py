@@ -114,13 +114,14 @@ class Playback(unittest.TestCase):
              f"config:={ROOT / 'config/datasets/car_park.yaml'}"],
             env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         self.addCleanup(launch.stdout.close)
-        player, told = None, ""
+        told, is_killed = "", False
         for line in launch.stdout:
             told += line
-            started = re.search(r"process\[player-\d+\]: started with pid \[(\d+)\]", line)
-            player = int(started[1]) if started else player
-            if "Playing." in line:
-                os.kill(player, signal.SIGKILL)
+            # Either may come first: what the player says, and what roslaunch says of it.
+            started = re.search(r"process\[player-\d+\]: started with pid \[(\d+)\]", told)
+            if started and "Playing." in told and not is_killed:
+                os.kill(int(started[1]), signal.SIGKILL)
+                is_killed = True
         launch.wait()
         self.assertRegex(told, r"not played to its end: the player ended at \d+\.\d s of 178\.\d s")
         self.assertNotIn("all of it is processed", told)
