@@ -60,8 +60,10 @@ class Suite:
 
     @staticmethod
     def begin(command, death=signal.SIGKILL, log=subprocess.DEVNULL):
+        # roslaunch would keep what it says to itself until it has 8 kB, where that goes to a file.
+        environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
         return subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=log,
-                                stderr=log, preexec_fn=ends_with_us(death))
+                                stderr=log, env=environment, preexec_fn=ends_with_us(death))
 
     def configure(self, *overlays, **parameters):
         """Parameters as the launch files set them; `cekf_slam__gps__enabled` is cekf_slam/gps/enabled."""

@@ -108,7 +108,8 @@ class Playback(unittest.TestCase):
     def test_player_that_dies_on_the_way_is_not_the_end(self):
         port = free_port()
         environment = {**os.environ, "ROS_MASTER_URI": f"http://localhost:{port}",
-                       "ROS_HOME": str(self.path / "ros"), "ROSCONSOLE_STDOUT_LINE_BUFFERED": "1"}
+                       "ROS_HOME": str(self.path / "ros"), "ROSCONSOLE_STDOUT_LINE_BUFFERED": "1",
+                       "PYTHONUNBUFFERED": "1"}  # for roslaunch, which is read while it runs
         launch = subprocess.Popen(
             ["roslaunch", "--port", port, "hymm", "playback.launch", f"bag:={ROOT / 'bags/car_park.bag'}",
              f"config:={ROOT / 'config/datasets/car_park.yaml'}"],
