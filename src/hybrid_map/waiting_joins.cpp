@@ -214,59 +214,58 @@ WaitingTiles::Box WaitingTiles::boxOf(const Sheet& sheet) const {
   return box;
 }
 
-void WaitingTiles::join(const LandmarkMap& map, const LandmarkPlaces& landmarks,
-                        double most_deviation_m, std::uint64_t revision) {
-  last_tile_ = nullptr;
-  struct Candidate {
-    Sheet* sheet;
-    std::array<int, 2> anchors;  ///< as they are called now
-    Eigen::Vector2d middle;
-    Box box;
-  };
-  std::vector<Candidate> candidates;
+std::vector<WaitingTiles::Joinable> WaitingTiles::joinableSheets(const LandmarkPlaces& landmarks) {
+  std::vector<Joinable> joinable;
   for (std::size_t i = 0; i < sheets_.size(); ++i) {
     Sheet& sheet = sheets_[i];
     const std::array<int, 2> anchors = {landmarks.presentId(sheet.anchors.first),
                                         landmarks.presentId(sheet.anchors.second)};
     if (i == selected_ || anchors[0] < 0 || anchors[1] < 0) continue;
-    candidates.push_back({&sheet, anchors, anchorMiddle(sheet, landmarks), boxOf(sheet)});
+    joinable.push_back({&sheet, anchors, anchorMiddle(sheet, landmarks), boxOf(sheet)});
   }
-  const auto lastJoin = [this](const Candidate& a, const Candidate& b) {
-    const auto joined = joined_.find({a.sheet->id, b.sheet->id});
-    return joined == joined_.end() ? Joined() : joined->second;
-  };
-  const auto middlesOf = [](const Candidate& a, const Candidate& b) {
-    const Pose2 T_a_map = inverse(a.sheet->T_map_sheet), T_b_map = inverse(b.sheet->T_map_sheet);
-    Joined::Places middles;
-    middles << T_a_map * a.middle, T_a_map * b.middle, T_b_map * a.middle, T_b_map * b.middle;
-    return middles;
-  };
-  std::vector<std::pair<const Candidate*, const Candidate*>> pairs;
+  return joinable;
+}
+
+bool WaitingTiles::mayHaveToJoin(const Joinable& a, const Joinable& b) const {
+  const auto joined = joined_.find({a.sheet->id, b.sheet->id});
+  const std::uint64_t last = joined == joined_.end() ? 0 : joined->second.revision;
+  return last < std::max(a.sheet->written, b.sheet->written) && intersect(a.box, b.box);
+}
+
+void WaitingTiles::joinPair(const Joinable& a, const Joinable& b, std::uint64_t revision) {
+  const Pose2 T_a_map = inverse(a.sheet->T_map_sheet), T_b_map = inverse(b.sheet->T_map_sheet);
+  Joined::Places middles;
+  middles << T_a_map * a.middle, T_a_map * b.middle, T_b_map * a.middle, T_b_map * b.middle;
+  Joined& joined = joined_[{a.sheet->id, b.sheet->id}];
+  const double moved_m = (middles - joined.middles).colwise().norm().maxCoeff();
+  const std::uint64_t last = moved_m <= kMostMoved * resolution_m_ ? joined.revision : 0;
+  CellMove there(*this, *a.sheet, *b.sheet, a.middle, b.middle, last, revision);
+  CellMove back(*this, *b.sheet, *a.sheet, b.middle, a.middle, last, revision);
+  there.run();
+  back.run();
+  there.finish();
+  back.finish();
+  joined = {revision, middles};
+  a.sheet->written = b.sheet->written = std::max(a.sheet->written, b.sheet->written);
+}
+
+void WaitingTiles::join(const LandmarkMap& map, const LandmarkPlaces& landmarks,
+                        double most_deviation_m, std::uint64_t revision) {
+  last_tile_ = nullptr;
+  const std::vector<Joinable> sheets = joinableSheets(landmarks);
+  std::vector<std::pair<const Joinable*, const Joinable*>> pairs;
   std::unordered_set<int> ids;
-  for (auto a = candidates.begin(); a != candidates.end(); ++a) {
-    for (auto b = a + 1; b != candidates.end(); ++b) {
-      if (lastJoin(*a, *b).revision >= std::max(a->sheet->written, b->sheet->written)) continue;
-      if (!intersect(a->box, b->box)) continue;
+  for (auto a = sheets.begin(); a != sheets.end(); ++a) {
+    for (auto b = a + 1; b != sheets.end(); ++b) {
+      if (!mayHaveToJoin(*a, *b)) continue;
       pairs.emplace_back(&*a, &*b);
-      for (const Candidate* one : {&*a, &*b}) ids.insert(one->anchors.begin(), one->anchors.end());
+      for (const Joinable* one : {&*a, &*b}) ids.insert(one->anchors.begin(), one->anchors.end());
     }
   }
   if (pairs.empty()) return;  // as with most maps: spares a look at all their covariances
   const RelativeDeviations deviations(map, ids);
   for (const auto& [a, b] : pairs) {
-    if (deviations.largest(a->anchors, b->anchors) > most_deviation_m) continue;
-    const Joined last = lastJoin(*a, *b);
-    const Joined::Places middles = middlesOf(*a, *b);
-    const double moved_m = (middles - last.middles).colwise().norm().maxCoeff();
-    const std::uint64_t joined = moved_m <= kMostMoved * resolution_m_ ? last.revision : 0;
-    CellMove there(*this, *a->sheet, *b->sheet, a->middle, b->middle, joined, revision);
-    CellMove back(*this, *b->sheet, *a->sheet, b->middle, a->middle, joined, revision);
-    there.run();
-    back.run();
-    there.finish();
-    back.finish();
-    joined_[{a->sheet->id, b->sheet->id}] = {revision, middles};
-    a->sheet->written = b->sheet->written = std::max(a->sheet->written, b->sheet->written);
+    if (deviations.largest(a->anchors, b->anchors) <= most_deviation_m) joinPair(*a, *b, revision);
   }
 }
 

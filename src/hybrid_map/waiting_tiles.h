@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -169,6 +170,16 @@ class WaitingTiles {
   };
   Eigen::Vector2d anchorMiddle(const Sheet& sheet, const LandmarkPlaces& landmarks) const;
   Box boxOf(const Sheet& sheet) const;
+  /// A sheet that is not being written, and whose anchors are there.
+  struct Joinable {
+    Sheet* sheet;
+    std::array<int, 2> anchors;  ///< as they are called now
+    Eigen::Vector2d middle;      ///< between them, in map
+    Box box;                     ///< of its tiles, in map
+  };
+  std::vector<Joinable> joinableSheets(const LandmarkPlaces& landmarks);
+  bool mayHaveToJoin(const Joinable& a, const Joinable& b) const;
+  void joinPair(const Joinable& a, const Joinable& b, std::uint64_t revision);
   class CellMove;
 
   WaitingConfig config_;

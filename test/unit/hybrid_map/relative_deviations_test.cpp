@@ -8,7 +8,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace hymm::core {
@@ -120,7 +119,7 @@ TEST(RelativeDeviations, ComeNearTheTruthThroughTheLandmarksBetween) {
     for (Eigen::Index b = a + 1; b < drive.size(); ++b) {
       if (drive.distance(a, b) <= kRange_m || drive.distance(a, b) > 51.0) continue;
       const double deviation = deviations.between(static_cast<int>(a), static_cast<int>(b));
-      EXPECT_NEAR(deviation / drive.deviation(a, b), 1.0, 0.2) << a << " and " << b;
+      EXPECT_NEAR(deviation / drive.deviation(a, b), 1.0, 0.002) << a << " and " << b;
       ++pairs;
     }
   }
