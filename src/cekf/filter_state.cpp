@@ -201,7 +201,7 @@ void VehicleState::describeState(Archive& archive) {
   archive(linearised_at_);
   describeInput(archive, input_);
   archive(has_input_, started_, in_gap_, time_s_);
-  archive(motion_noise_, noise_scale_);
+  archive(motion_noise_, noise_scale_, earlier_readings_);
 }
 
 void VehicleState::save(StateWriter& archive) {

@@ -10,6 +10,7 @@ namespace hymm::core {
 VehicleState::VehicleState(const VehicleConfig& vehicle, bool twist, bool with_gps_datum,
                            bool at_first_estimates, const MotionNoiseConfig& motion_noise)
     : model_(vehicle),
+      earlier_readings_(vehicle.noise),
       hold_limit_s_(vehicle.noise.hold_limit_s),
       at_first_estimates_(at_first_estimates),
       noise_scale_(motion_noise) {
@@ -166,6 +167,7 @@ bool VehicleState::takeInput(CompressedEkf& filter, const MotionInput& input) {
   const bool later = !has_input_ || timeOf(input) > timeOf(input_);
   if (!isFinite(input) || !later || timeOf(input) < time_s_) return false;
   moveTo(filter, timeOf(input));
+  if (!has_input_) earlier_readings_.begin(input);
   input_ = input;
   has_input_ = true;
   in_gap_ = false;
@@ -193,8 +195,10 @@ void VehicleState::moveTo(CompressedEkf& filter, double time_s) {
 /// Carries the filter along a step of motion whose input is `age_s` old when it begins.
 void VehicleState::predict(CompressedEkf& filter, double age_s, double duration_s) {
   VehicleVector state = filter.vehicle();
-  const MotionStep step = model_.step(Pose2::fromVector(state.head<3>()), input_,
-                                      calibration(state), age_s, duration_s, motionError(state));
+  const MotionStep step =
+      model_.step(Pose2::fromVector(state.head<3>()), input_, calibration(state), age_s, duration_s,
+                  motionError(state), earlier_readings_.readings());
+  if (has_input_) earlier_readings_.follow(input_, duration_s);
   const Pose2 corrected = Pose2::fromVector(state.head<3>());
   state.head<3>() = step.pose.vector();
   VehicleMatrix J = VehicleMatrix::Identity(size_, size_);

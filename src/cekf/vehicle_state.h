@@ -10,6 +10,7 @@
 #include "cekf/compressed_ekf.h"
 #include "cekf/motion_noise_scale.h"
 #include "cekf/observation_model.h"
+#include "vehicle/earlier_readings.h"
 #include "vehicle/motion_model.h"
 #include "vehicle/sweep_motion.h"
 
@@ -117,6 +118,7 @@ class VehicleState {
   };
 
   MotionModel model_;
+  EarlierReadings earlier_readings_;
   double hold_limit_s_;
   std::array<int, 3> calibration_index_{-1, -1, -1};
   std::array<double, 3> calibration_deviation_{0.0, 0.0, 0.0};

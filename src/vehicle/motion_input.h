@@ -31,6 +31,28 @@ struct TwistInput {
 
 using MotionInput = std::variant<AckermannInput, TwistInput>;
 
+/// Speed and turn as read, before calibration.
+struct MotionReadings {
+  double forward_mps = 0.0;  ///< of the encoder's wheel (Ackermann) or of base_link (twist)
+  double lateral_mps = 0.0;  ///< twist
+  double turn = 0.0;         ///< steering [rad] (Ackermann) or yaw rate [rad/s] (twist)
+
+  Eigen::Vector3d vector() const { return {forward_mps, lateral_mps, turn}; }
+  static MotionReadings fromVector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+};
+
+inline MotionReadings readingsOf(const MotionInput& input) {
+  struct Read {
+    MotionReadings operator()(const AckermannInput& i) const {
+      return {i.speed_mps, 0.0, i.steering_rad};
+    }
+    MotionReadings operator()(const TwistInput& i) const {
+      return {i.forward_mps, i.lateral_mps, i.yaw_rate_radps};
+    }
+  };
+  return std::visit(Read{}, input);
+}
+
 inline double timeOf(const MotionInput& input) {
   return std::visit([](const auto& value) { return value.time_s; }, input);
 }

@@ -57,7 +57,8 @@ BodyVelocity MotionModel::velocity(const AckermannInput& input, const Calibratio
   const Eigen::Vector3d d_steering =
       (1.0 + t * t) *
       Eigen::Vector3d(d_forward_by_t, 0.0, (v.forward_mps + t * d_forward_by_t) / L);
-  v.J_calibration << input.speed_mps * d_speed, input.steering_rad * d_steering, d_steering;
+  v.J_readings << d_speed, Eigen::Vector3d::Zero(), d_steering;
+  v.J_calibration = v.calibrationJacobian(readingsOf(input));
   v.J_error << speed_deviation * d_speed, noise_.steering_deviation_rad * d_steering,
       relative_deviation * d_steering;
   v.white_density(1, 1) =
@@ -72,9 +73,8 @@ BodyVelocity MotionModel::velocity(const TwistInput& input, const Calibration& c
       speed > 0.0 ? Eigen::Vector2d(input.forward_mps / speed, input.lateral_mps / speed)
                   : Eigen::Vector2d::UnitX();
   BodyVelocity v;
-  v.J_calibration << input.forward_mps, 0.0, 0.0,  //
-      input.lateral_mps, 0.0, 0.0,                 //
-      0.0, input.yaw_rate_radps, 1.0;
+  v.J_readings.setIdentity();
+  v.J_calibration = v.calibrationJacobian(readingsOf(input));
   if (input.density) {
     v.white_density = *input.density;
   } else {
@@ -101,7 +101,8 @@ BodyVelocity MotionModel::velocity(const MotionInput& input, const Calibration& 
 
 MotionStep MotionModel::step(const Pose2& pose, const MotionInput& input,
                              const Calibration& calibration, double age_s, double duration_s,
-                             const MotionError& error) const {
+                             const MotionError& error,
+                             const std::optional<MotionReadings>& scaled) const {
   const BodyVelocity v = velocity(input, calibration, error);
   const double turn = v.yaw_rate_radps * duration_s;
   const Arc arc(turn);
@@ -117,7 +118,7 @@ MotionStep MotionModel::step(const Pose2& pose, const MotionInput& input,
   Eigen::Matrix3d J_velocity = arc.velocityJacobian(chord, duration_s);
   J_velocity.topRows<2>() = R * J_velocity.topRows<2>().eval();
   step.J_velocity = J_velocity;
-  step.J_calibration = J_velocity * v.J_calibration;
+  step.J_calibration = J_velocity * (scaled ? v.calibrationJacobian(*scaled) : v.J_calibration);
   step.J_error = J_velocity * v.J_error;
   if (duration_s > 0.0) {
     // White noise of the velocity: its covariance over the step is density / duration.

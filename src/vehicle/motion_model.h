@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 
 #include "common/pose2.h"
@@ -37,8 +39,18 @@ struct BodyVelocity {
   double lateral_mps = 0.0;
   double yaw_rate_radps = 0.0;
   Eigen::Matrix3d J_calibration = Eigen::Matrix3d::Zero();  ///< d(forward, lateral, yaw rate)/d(c)
+  Eigen::Matrix3d J_readings = Eigen::Matrix3d::Zero();     ///< by MotionReadings, calibrated
   Eigen::Matrix3d J_error = Eigen::Matrix3d::Zero();        ///< by MotionError
   Eigen::Matrix3d white_density = Eigen::Matrix3d::Zero();  ///< all other noise, (unit)^2 * s
+
+  /// What J_calibration is where the scales multiply `scaled`.
+  Eigen::Matrix3d calibrationJacobian(const MotionReadings& scaled) const {
+    const Eigen::Vector3d readings = scaled.vector();
+    Eigen::Matrix3d J;
+    J << J_readings.leftCols<2>() * readings.head<2>(), J_readings.col(2) * readings.z(),
+        J_readings.col(2);
+    return J;
+  }
 
   /// Of the velocity at one moment, with white noise averaged over twice the correlation time.
   Eigen::Matrix3d covariance(double correlation_time_s) const {
@@ -83,9 +95,11 @@ class MotionModel {
 
   /// Moves `pose` for `duration_s` at constant velocity, along the exact arc. `age_s` is how old
   /// the input is when the step begins: beyond hold_limit_s the noise grows as for an unknown
-  /// input.
+  /// input. `scaled`: what J_calibration takes the scales to multiply, if not the input itself; see
+  /// EarlierReadings.
   MotionStep step(const Pose2& pose, const MotionInput& input, const Calibration& calibration,
-                  double age_s, double duration_s, const MotionError& error = {}) const;
+                  double age_s, double duration_s, const MotionError& error = {},
+                  const std::optional<MotionReadings>& scaled = std::nullopt) const;
 
   /// How long each MotionError persists [s].
   Eigen::Vector3d correlationTimes() const { return noise_.correlationTimes_s(); }
