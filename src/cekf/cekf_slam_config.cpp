@@ -60,6 +60,9 @@ void AssociationConfig::describe(ConfigSchema& schema) {
       "coincidence_probability", coincidence_probability, Range::between(1e-12, 1.0),
       "pairings of observations and landmarks count only where it is less likely than this "
       "that other objects stand there by chance");
+  schema.number("rival_probability", rival_probability, Range::between(1e-12, 1.0),
+                "and only where it is less likely than this that the observations are of other "
+                "landmarks, as of the next tree of a row");
   schema.integer("max_nodes", max_nodes, Range::between(10, 1e8),
                  "of the joint compatibility search; beyond, the best so far is taken");
   schema.flag("use_diameter", use_diameter, "diameters tell landmarks apart");

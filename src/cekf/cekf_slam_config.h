@@ -36,6 +36,7 @@ struct AssociationConfig {
   double joint_probability = 0.9999;         ///< chi-square gate of a whole scan
   double unmapped_density_per_m2 = 0.01;     ///< of objects that are not in the map
   double coincidence_probability = 0.05;     ///< below which pairings count as proven
+  double rival_probability = 0.001;          ///< below which other pairings of a scan are no rivals
   double new_landmark_probability = 0.9999;  ///< an observation inside this gate is no new landmark
   double identity_probability = 0.999999;    ///< gate of observations with a known identity
   int max_nodes = 20000;

@@ -189,6 +189,11 @@ class CompressedEkf {
   /// (P <- T * P * T' with T = I + gain * e'), while the estimates stay.
   void addVehicleError(int slot, const Eigen::Vector2d& gain, int vehicle_state);
 
+  /// Turns an active landmark's error by `angle_rad` to the left; the estimates stay.
+  void turnError(int slot, double angle_rad);
+  /// The same of the vehicle's position.
+  void turnVehicleError(double angle_rad);
+
   /// Adds an error that the vehicle's pose has, of covariance `noise` (x, y, yaw), and that active
   /// landmarks have with it, as one body.
   void addRigidNoise(const std::vector<int>& slots, const Eigen::Matrix3d& noise);

@@ -216,10 +216,9 @@ std::vector<DuplicateLandmarks> DuplicateSearch::choose(const Candidates& candid
                                                         double least_log_odds) const {
   std::vector<Pairing> pairings;
   for (const Candidate& candidate : candidates.all) pairings.push_back(candidate.pairing);
-  std::vector<int> chosen;
-  for (const int pairing : joint_.find(pairings, S, candidates.recent).pairings) {
-    if (pairing >= 0) chosen.push_back(pairing);
-  }
+  const JointHypothesis best = joint_.find(pairings, S, candidates.recent);
+  const std::vector<int> chosen =
+      undisputedPairings(joint_, best.pairings, pairings, S, least_log_odds_);
   const std::vector<int> proven = provenPairings(chosen, pairings, S, least_log_odds_);
   if (proven.empty() || logOdds(proven, pairings, S) < least_log_odds) return {};
   std::vector<DuplicateLandmarks> duplicates;

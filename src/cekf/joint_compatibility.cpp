@@ -40,6 +40,18 @@ class Search {
     return best_;
   }
 
+  /// See findRival().
+  JointHypothesis runAgainst(const std::vector<int>& other, double within) {
+    other_ = &other;
+    best_cost_ = costOf(other) + within;
+    best_.pairings.clear();
+    for (std::size_t depth = 0; depth < order_.size(); ++depth) {
+      if (mayContradict(order_[depth])) contradicts_before_ = depth + 1;
+    }
+    descend(0, 0.0, 0.0);
+    return best_;
+  }
+
  private:
   /// Observations with the fewest candidates first: they fix the vehicle for the others.
   void orderObservations() {
@@ -49,6 +61,27 @@ class Search {
     std::stable_sort(order_.begin(), order_.end(), [this](std::size_t a, std::size_t b) {
       return by_observation_[a].size() < by_observation_[b].size();
     });
+  }
+
+  bool mayContradict(std::size_t observation) const {
+    return (*other_)[observation] >= 0 && by_observation_[observation].size() > 1;
+  }
+
+  double costOf(const std::vector<int>& hypothesis) {
+    double cost = 0.0;
+    std::size_t place = 0;
+    for (const std::size_t observation : order_) {
+      const int pairing = hypothesis[observation];
+      cost += pairing < 0 ? limits_.unpaired_cost
+                          : factor_.put(place++, pairing).distance2 +
+                                pairings_[static_cast<std::size_t>(pairing)].cue_cost;
+    }
+    return cost;
+  }
+
+  /// Whether no hypothesis that goes on from here contradicts the other one.
+  bool agreesForGood(std::size_t depth) const {
+    return other_ != nullptr && contradictions_ == 0 && depth >= contradicts_before_;
   }
 
   /// A first hypothesis: each observation takes what adds least, as long as all stays compatible.
@@ -95,7 +128,7 @@ class Search {
   }
 
   void descend(std::size_t depth, double mahalanobis2, double other_cost) {
-    if (leastCost(mahalanobis2, other_cost) >= best_cost_) return;
+    if (leastCost(mahalanobis2, other_cost) >= best_cost_ || agreesForGood(depth)) return;
     if (depth == order_.size()) return keepIfBest(mahalanobis2, other_cost);
     effort_ += nodeEffort();
     if (effort_ > limits_.max_nodes) {
@@ -108,8 +141,12 @@ class Search {
     for (const auto& [increment, pairing] : rankedCandidates(observation)) {
       if (mahalanobis2 + increment > widest_gate) break;
       choose(observation, pairing);
+      const bool contradicts =
+          other_ != nullptr && mayContradict(observation) && (*other_)[observation] != pairing;
+      contradictions_ += contradicts ? 1 : 0;
       descend(depth + 1, mahalanobis2 + increment,
               other_cost + pairings_[static_cast<std::size_t>(pairing)].cue_cost);
+      contradictions_ -= contradicts ? 1 : 0;
       current_[observation] = -1;
       chosen_.pop_back();
     }
@@ -166,7 +203,10 @@ class Search {
   /// Pairings of the first hypothesis whose observations have no other candidate.
   std::optional<HypothesisWithout> plain_;
   std::vector<int> chosen_, current_;
-  double effort_ = 0.0;  ///< so far, in nodes
+  const std::vector<int>* other_ = nullptr;  ///< the hypothesis to contradict, if there is one
+  int contradictions_ = 0;                   ///< of it by those chosen
+  std::size_t contradicts_before_ = 0;       ///< depth from which on none is possible
+  double effort_ = 0.0;                      ///< so far, in nodes
   double best_cost_ = 0.0;
   JointHypothesis best_;
 };
@@ -183,6 +223,12 @@ JointCompatibility::JointCompatibility(const JointCompatibilityLimits& limits) :
 JointHypothesis JointCompatibility::find(const std::vector<Pairing>& pairings,
                                          const Eigen::MatrixXd& S, int observations) const {
   return Search(pairings, S, observations, *this).run();
+}
+
+JointHypothesis JointCompatibility::findRival(const std::vector<Pairing>& pairings,
+                                              const Eigen::MatrixXd& S,
+                                              const std::vector<int>& other, double within) const {
+  return Search(pairings, S, static_cast<int>(other.size()), *this).runAgainst(other, within);
 }
 
 double JointCompatibility::gate(int pairings) const {

@@ -37,6 +37,12 @@ class JointCompatibility {
   JointHypothesis find(const std::vector<Pairing>& pairings, const Eigen::MatrixXd& S,
                        int observations) const;
 
+  /// The best hypothesis, by the same measure, that contradicts `other`: that takes one at least of
+  /// the observations which `other` pairs for another landmark. None that costs `within` more than
+  /// `other` does; its pairings are then empty.
+  JointHypothesis findRival(const std::vector<Pairing>& pairings, const Eigen::MatrixXd& S,
+                            const std::vector<int>& other, double within) const;
+
   /// Largest squared Mahalanobis distance of `pairings` pairings.
   double gate(int pairings) const;
 

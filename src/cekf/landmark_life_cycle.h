@@ -16,6 +16,7 @@
 #include "cekf/lasting_errors.h"
 #include "cekf/scan_associator.h"
 #include "cekf/tentative_landmarks.h"
+#include "cekf/vehicle_state.h"
 #include "perception/laser_scan.h"
 
 namespace hymm::core {
@@ -79,7 +80,7 @@ class LandmarkLifeCycle {
 
   /// Fuses landmarks around the vehicle with older ones that they turn out to be, together. Returns
   /// how far that moved an active landmark [m].
-  double closeLoop(double time_s, CompressedEkf& filter);
+  double closeLoop(double time_s, VehicleState& vehicle, CompressedEkf& filter);
 
   /// Takes over the filter's positions of active landmarks.
   void refreshActive(const CompressedEkf& filter);
@@ -143,6 +144,9 @@ class LandmarkLifeCycle {
   bool areDistinct(int id_a, int id_b) const;
   bool isPlaceKnown(const RegisteredLandmark& landmark, const CompressedEkf& filter) const;
   void addSlip(const DuplicatesFound& found, CompressedEkf& filter);
+  static std::vector<SparseMeasurement> samePlaces(
+      const std::vector<DuplicateLandmarks>& duplicates, const CompressedEkf& filter);
+  void relineariseAtOnePlace(const DuplicateLandmarks& pair, CompressedEkf& filter);
   double fuse(const std::vector<DuplicateLandmarks>& duplicates, CompressedEkf& filter);
   void takeOver(const RegisteredLandmark& gone, RegisteredLandmark& kept);
   void drop(int id, CompressedEkf& filter);

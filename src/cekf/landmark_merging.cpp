@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "cekf/landmark_life_cycle.h"
+#include "cekf/loop_bend.h"
 #include "cekf/relinearisation.h"
 #include "cekf/vehicle_state.h"
 
@@ -37,10 +38,23 @@ double LandmarkLifeCycle::merge(const ScanAssociation& association, CompressedEk
       // The older one stays: others may already refer to it.
       const bool is_older = landmark.id < other.id;
       // One a scan is plenty, and references are void now.
-      return fuse({{is_older ? slot : other_slot, is_older ? other_slot : slot}}, filter);
+      const DuplicateLandmarks pair{is_older ? slot : other_slot, is_older ? other_slot : slot};
+      relineariseAtOnePlace(pair, filter);
+      return fuse({pair}, filter);
     }
   }
   return 0.0;
+}
+
+/// Which turn of the map would tear them apart: none, once their covariances belong to one place.
+void LandmarkLifeCycle::relineariseAtOnePlace(const DuplicateLandmarks& pair,
+                                              CompressedEkf& filter) {
+  const auto fused =
+      at_first_estimates_ ? filter.statesAfter(samePlaces({pair}, filter)) : std::nullopt;
+  if (!fused) return;
+  const Vector2d place = filter.landmarkAmong(*fused, pair.kept);
+  relinearise(registry_.bySlot(pair.kept), place, filter);
+  relinearise(registry_.bySlot(pair.gone), place, filter);
 }
 
 bool LandmarkLifeCycle::areOneObject(const RegisteredLandmark& a, const RegisteredLandmark& b,
@@ -63,7 +77,7 @@ bool LandmarkLifeCycle::areDistinct(int id_a, int id_b) const {
   return distinct != distinct_from_.end() && distinct->second.count(id_b) > 0;
 }
 
-double LandmarkLifeCycle::closeLoop(double time_s, CompressedEkf& filter) {
+double LandmarkLifeCycle::closeLoop(double time_s, VehicleState& vehicle, CompressedEkf& filter) {
   if (time_s - searched_s_ < kSearchPeriod_s) return 0.0;
   searched_s_ = time_s;
   const auto are_distinct = [this](int a, int b) {
@@ -73,7 +87,10 @@ double LandmarkLifeCycle::closeLoop(double time_s, CompressedEkf& filter) {
       time_s, VehicleState::pose(filter).position(), are_distinct, registry_, filter);
   if (found.pairs.empty()) return 0.0;
   if (found.slip) addSlip(found, filter);
-  return fuse(found.pairs, filter);
+  const LoopBend bend(registry_, filter);
+  const double moved_m = fuse(found.pairs, filter);
+  bend.follow(vehicle, registry_, filter);
+  return moved_m;
 }
 
 /// The vehicle slipped after it had lost sight of the older landmarks. What has come into the map
@@ -92,8 +109,16 @@ void LandmarkLifeCycle::addSlip(const DuplicatesFound& found, CompressedEkf& fil
   ++counts_.slips;
 }
 
-double LandmarkLifeCycle::fuse(const std::vector<DuplicateLandmarks>& duplicates,
-                               CompressedEkf& filter) {
+std::vector<SparseMeasurement> LandmarkLifeCycle::samePlaces(
+    const std::vector<DuplicateLandmarks>& duplicates, const CompressedEkf& filter) {
+  // Of a turn by a, the filter neglects a^2/2 of the way to the centre; that counts as noise.
+  std::vector<Move> moves;
+  Vector2d centre = Vector2d::Zero();
+  for (const DuplicateLandmarks& pair : duplicates) {
+    moves.push_back({filter.landmark(pair.gone), filter.landmark(pair.kept)});
+    centre += moves.back().from / static_cast<double>(duplicates.size());
+  }
+  const double turn_rad = turnOf(moves), neglected = 0.5 * turn_rad * turn_rad;
   std::vector<SparseMeasurement> same_places;
   for (const DuplicateLandmarks& pair : duplicates) {
     SparseMeasurement same_place;
@@ -103,19 +128,16 @@ double LandmarkLifeCycle::fuse(const std::vector<DuplicateLandmarks>& duplicates
     same_place.landmarks[1] = pair.gone;
     same_place.H_landmarks[0] = Matrix2d::Identity();
     same_place.H_landmarks[1] = -Matrix2d::Identity();
-    same_place.noise = kFusionVariance * Matrix2d::Identity();
+    const double neglected_m = neglected * (filter.landmark(pair.gone) - centre).norm();
+    same_place.noise = (kFusionVariance + neglected_m * neglected_m) * Matrix2d::Identity();
     same_places.push_back(same_place);
   }
-  // Which turn of the map would tear them apart: none, once their covariances belong to one place.
-  const auto fused = at_first_estimates_ ? filter.statesAfter(same_places) : std::nullopt;
-  if (fused) {
-    for (const DuplicateLandmarks& pair : duplicates) {
-      const Vector2d place = filter.landmarkAmong(*fused, pair.kept);
-      relinearise(registry_.bySlot(pair.kept), place, filter);
-      relinearise(registry_.bySlot(pair.gone), place, filter);
-    }
-  }
-  const UpdateOutcome outcome = filter.update(same_places);
+  return same_places;
+}
+
+double LandmarkLifeCycle::fuse(const std::vector<DuplicateLandmarks>& duplicates,
+                               CompressedEkf& filter) {
+  const UpdateOutcome outcome = filter.update(samePlaces(duplicates, filter));
   if (!std::isfinite(outcome.nis)) return 0.0;
   for (const DuplicateLandmarks& pair : duplicates) {
     const RegisteredLandmark gone = registry_.bySlot(pair.gone);

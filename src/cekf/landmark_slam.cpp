@@ -225,7 +225,7 @@ void LandmarkSlam::extendMap(const ObservationSet& set, const LaserScan* scan,
   countObservations(association, created, missed.all, outcome);
   outcome.largest_correction_m =
       std::max({outcome.largest_correction_m, life_cycle_.merge(association, estimate_.filter),
-                life_cycle_.closeLoop(set.time_s, estimate_.filter)});
+                life_cycle_.closeLoop(set.time_s, estimate_.vehicle, estimate_.filter)});
   life_cycle_.refreshActive(estimate_.filter);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include <Eigen/Cholesky>
@@ -25,6 +26,13 @@ double gain(std::size_t place, int pairing, const std::vector<Pairing>& pairings
          added.log_deviations;
 }
 
+std::vector<int> pairedBy(const std::vector<int>& hypothesis) {
+  std::vector<int> paired;
+  std::copy_if(hypothesis.begin(), hypothesis.end(), std::back_inserter(paired),
+               [](int pairing) { return pairing >= 0; });
+  return paired;
+}
+
 }  // namespace
 
 double logOdds(const Pairing& pairing, const Eigen::Matrix2d& S) {
@@ -43,6 +51,24 @@ double logOdds(const std::vector<int>& chosen, const std::vector<Pairing>& pairi
     log_odds += gain(place, chosen[place], pairings, factor);
   }
   return log_odds;
+}
+
+std::vector<int> undisputedPairings(const JointCompatibility& joint, std::vector<int> hypothesis,
+                                    const std::vector<Pairing>& pairings, const Eigen::MatrixXd& S,
+                                    double least_log_odds) {
+  // A rival may explain one observation less.
+  const double within = joint.limits().unpaired_cost + 2.0 * least_log_odds;
+  for (std::vector<int> paired = pairedBy(hypothesis);; paired = pairedBy(hypothesis)) {
+    if (paired.empty()) return paired;
+    const JointHypothesis rival = joint.findRival(pairings, S, hypothesis, within);
+    if (rival.pairings.empty()) return paired;
+    const double ahead =
+        logOdds(paired, pairings, S) - logOdds(pairedBy(rival.pairings), pairings, S);
+    if (ahead >= least_log_odds) return paired;
+    for (std::size_t k = 0; k < hypothesis.size(); ++k) {
+      if (hypothesis[k] != rival.pairings[k]) hypothesis[k] = -1;
+    }
+  }
 }
 
 std::vector<int> provenPairings(const std::vector<int>& chosen,

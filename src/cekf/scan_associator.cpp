@@ -8,6 +8,7 @@
 
 #include "cekf/landmark_measurement.h"
 #include "cekf/landmark_sighting.h"
+#include "cekf/loop_bend.h"
 #include "cekf/pairing_evidence.h"
 #include "cekf/relinearisation.h"
 #include "cekf/vehicle_state.h"
@@ -68,6 +69,7 @@ ScanAssociator::ScanAssociator(const AssociationConfig& config, std::optional<do
           std::max(individual_gate_, chiSquareQuantile(config.new_landmark_probability, 2))),
       identity_gate_(chiSquareQuantile(config.identity_probability, 2)),
       least_log_odds_(-std::log(config.coincidence_probability)),
+      rival_log_odds_(-std::log(config.rival_probability)),
       joint_({chiSquareQuantile(config.unpaired_probability, 2), config.joint_probability,
               config.max_nodes}) {}
 
@@ -75,6 +77,7 @@ SparseMeasurement ScanAssociator::measure(Observation& sighting, const SensorPla
                                           RegisteredLandmark& landmark,
                                           CompressedEkf& filter) const {
   const Pose2 pose = VehicleState::pose(filter);
+  takeTurn(landmark, filter);
   SparseMeasurement measurement = sightLandmark(sighting, pose, sensor, landmark, filter);
   if (landmark.lasting_error.exists()) {
     lasting_errors_.goOn((pose * sensor.T_base_sensor).position(), landmark, filter);
@@ -324,11 +327,9 @@ void ScanAssociator::chooseJointly(const std::vector<Candidate>& candidates,
   if (more != nullptr) S += covarianceFrom(*more, measurements);
   const JointHypothesis best = joint_.find(pairings, S, static_cast<int>(result.slots.size()));
   result.complete = best.complete;
-  std::vector<int> paired;
-  for (const int pairing : best.pairings) {
-    if (pairing >= 0) paired.push_back(pairing);
-  }
-  const std::vector<int> proven = provenPairings(paired, pairings, S, least_log_odds_);
+  const std::vector<int> undisputed =
+      undisputedPairings(joint_, best.pairings, pairings, S, rival_log_odds_);
+  const std::vector<int> proven = provenPairings(undisputed, pairings, S, least_log_odds_);
   result.log_odds += logOdds(proven, pairings, S);
   for (const int pairing : proven) {
     const Candidate& chosen = candidates[static_cast<std::size_t>(pairing)];

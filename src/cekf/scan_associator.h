@@ -106,6 +106,7 @@ class ScanAssociator {
   double wider_gate_;  ///< of that and the gate around which no new landmark starts
   double identity_gate_;
   double least_log_odds_;
+  double rival_log_odds_;
   JointCompatibility joint_;
 };
 

@@ -75,6 +75,17 @@ class FilterPair {
     slots_.erase(id);
   }
 
+  void turnError(int id, double angle_rad) {
+    compressed_.activate(slots_.at(id));
+    compressed_.turnError(slots_.at(id), angle_rad);
+    full_.turnError(id, angle_rad);
+  }
+
+  void turnVehicleError(double angle_rad) {
+    compressed_.turnVehicleError(angle_rad);
+    full_.turnVehicleError(angle_rad);
+  }
+
   void addVehicleError(int id, const Eigen::Vector2d& gain, int vehicle_state) {
     compressed_.activate(slots_.at(id));
     compressed_.addVehicleError(slots_.at(id), gain, vehicle_state);

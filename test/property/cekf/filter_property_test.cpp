@@ -34,6 +34,7 @@ enum class Kind {
   kFix,
   kInitialise,
   kAddVehicleError,
+  kTurn,
   kFade,
   kSlip,
   kGlobalUpdate,
@@ -63,6 +64,7 @@ rc::Gen<std::vector<Step>> anyHistory() {
                                                     {1, Kind::kFix},
                                                     {1, Kind::kInitialise},
                                                     {2, Kind::kAddVehicleError},
+                                                    {2, Kind::kTurn},
                                                     {2, Kind::kFade},
                                                     {1, Kind::kSlip},
                                                     {2, Kind::kGlobalUpdate},
@@ -109,6 +111,10 @@ class RandomFilters {
       case Kind::kAddVehicleError:
         if (filters_.slots().empty()) return;
         return filters_.addVehicleError(anyLandmark(), randomMatrix(generator_, 2, 1, 1.0), 2);
+      case Kind::kTurn:
+        if (!filters_.slots().empty())
+          filters_.turnError(anyLandmark(), sampleNormal(generator_, 1.0));
+        return filters_.turnVehicleError(sampleNormal(generator_, 1.0));
       case Kind::kFade:
         return fade();
       case Kind::kSlip:

@@ -117,6 +117,14 @@ TEST_F(DuplicateSearchTest, TakesNoSlipForAnythingAmongLandmarksThatLookAlike) {
   EXPECT_TRUE(find().empty());
 }
 
+TEST_F(DuplicateSearchTest, TakesNothingInARowThatIsTheSameOneTreeOn) {
+  error_ = {1.5, 0.0};
+  slip_.probability = 0.0;
+  for (int tree = 0; tree < 8; ++tree) addOld({3.0 * tree - 12.0, 4.0});
+  for (int tree = 3; tree < 6; ++tree) addAgain({3.0 * tree - 12.0, 4.0});
+  EXPECT_TRUE(find().empty());
+}
+
 TEST_F(DuplicateSearchTest, LeavesOneMatchAlone) {
   addOld({10.0, 0.0});
   addAgain({10.0, 0.0});

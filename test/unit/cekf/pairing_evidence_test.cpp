@@ -84,5 +84,50 @@ TEST(PairingEvidence, ACovarianceThatIsNoneProvesNothing) {
             -std::numeric_limits<double>::infinity());
 }
 
+/// Two observations of trees in a row, four metres apart: each may be of any.
+std::vector<Pairing> inARow(const std::vector<double>& offsets) {
+  std::vector<Pairing> pairings;
+  for (int observation = 0; observation < 2; ++observation) {
+    for (const double offset : offsets) {
+      const int tree = observation + static_cast<int>(std::lround(offset / 4.0));
+      pairings.push_back({observation, tree, Vector2d(offset, 0.1), 0.0, kDensity});
+    }
+  }
+  return pairings;
+}
+
+std::vector<int> undisputed(const std::vector<Pairing>& pairings, double shared_m) {
+  const JointCompatibility joint({18.0, 0.9999, 20000});
+  const MatrixXd S = sharedError(static_cast<int>(pairings.size()), shared_m, 0.05);
+  const JointHypothesis best = joint.find(pairings, S, 2);
+  return undisputedPairings(joint, best.pairings, pairings, S, kOneInAHundred);
+}
+
+TEST(UndisputedPairings, AreNoneAmongTreesOfARowThatAllFit) {
+  EXPECT_THAT(undisputed(inARow({-4.0, 0.1, 4.0}), 5.0), IsEmpty());
+}
+
+TEST(UndisputedPairings, AreAllWhereOtherTreesAreTooFarOff) {
+  EXPECT_THAT(undisputed(inARow({-4.0, 0.1, 4.0}), 1.0), ElementsAre(1, 4));
+}
+
+TEST(UndisputedPairings, AreAllWhereThereIsNothingElse) {
+  EXPECT_THAT(undisputed(inARow({4.0}), 5.0), ElementsAre(0, 1));
+}
+
+TEST(UndisputedPairings, KeepWhatRivalsShare) {
+  // The third observation is of one tree in either case.
+  std::vector<Pairing> pairings = inARow({0.0, 0.2});
+  pairings[1].landmark = 7;
+  pairings[3].landmark = 8;
+  pairings.push_back({2, 9, Vector2d(0.1, 0.0), 0.0, kDensity});
+  const JointCompatibility joint({18.0, 0.9999, 20000});
+  const MatrixXd S = sharedError(5, 0.3, 0.2);
+  const JointHypothesis best = joint.find(pairings, S, 3);
+  EXPECT_EQ(best.paired, 3);
+  EXPECT_THAT(undisputedPairings(joint, best.pairings, pairings, S, kOneInAHundred),
+              ElementsAre(4));
+}
+
 }  // namespace
 }  // namespace hymm::core
