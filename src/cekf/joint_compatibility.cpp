@@ -45,9 +45,11 @@ class Search {
     other_ = &other;
     best_cost_ = costOf(other) + within;
     best_.pairings.clear();
-    for (std::size_t depth = 0; depth < order_.size(); ++depth) {
-      if (mayContradict(order_[depth])) contradicts_before_ = depth + 1;
-    }
+    // What may contradict comes first: where it is wrong, hardly anything else fits then.
+    const auto agreeing = std::stable_partition(
+        order_.begin(), order_.end(),
+        [this](std::size_t observation) { return mayContradict(observation); });
+    contradicts_before_ = static_cast<std::size_t>(agreeing - order_.begin());
     descend(0, 0.0, 0.0);
     return best_;
   }
