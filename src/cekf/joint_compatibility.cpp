@@ -43,13 +43,14 @@ class Search {
   /// See findRival().
   JointHypothesis runAgainst(const std::vector<int>& other, double within) {
     other_ = &other;
-    best_cost_ = costOf(other) + within;
     best_.pairings.clear();
     // What may contradict comes first: where it is wrong, hardly anything else fits then.
     const auto agreeing = std::stable_partition(
         order_.begin(), order_.end(),
         [this](std::size_t observation) { return mayContradict(observation); });
     contradicts_before_ = static_cast<std::size_t>(agreeing - order_.begin());
+    if (contradicts_before_ == 0) return best_;
+    best_cost_ = costOf(other) + within;
     descend(0, 0.0, 0.0);
     return best_;
   }
