@@ -3,8 +3,6 @@
 #include <stdexcept>
 #include <string>
 
-#include <Eigen/Geometry>
-
 #include "cekf/compressed_ekf.h"
 
 namespace hymm::core {
@@ -135,26 +133,11 @@ void CompressedEkf::addVehicleError(int slot, const Vector2d& gain, int vehicle_
   phi_.block(row, 0, 2, origin_states_) += gain * phi_.block(vehicle_state, 0, 1, origin_states_);
 }
 
-void CompressedEkf::turnError(int slot, double angle_rad) {
-  flushMotion();
-  const int row = rowOf(slot), n = states();
-  const Matrix2d R = Eigen::Rotation2Dd(angle_rad).toRotationMatrix();
-  for (int k = 0; k < n; ++k) {
-    if (k == row || k == row + 1) continue;
-    const Vector2d turned = R * Vector2d(covarianceEntry(row, k), covarianceEntry(row + 1, k));
-    setCovarianceEntry(row, k, turned.x());
-    setCovarianceEntry(row + 1, k, turned.y());
-  }
-  Matrix2d own = P_.block<2, 2>(row, row).selfadjointView<Eigen::Lower>();
-  P_.block<2, 2>(row, row) = R * own * R.transpose();
-  phi_.block(row, 0, 2, origin_states_) = (R * phi_.block(row, 0, 2, origin_states_)).eval();
-}
-
-void CompressedEkf::turnVehicleError(double angle_rad) {
-  const Matrix2d R = Eigen::Rotation2Dd(angle_rad).toRotationMatrix();
-  MatrixXd G = MatrixXd::Identity(2, vehicle_states_);
-  G.leftCols<2>() = R;
-  initialiseVehicleStates(0, vehicle().head<2>(), G, Matrix2d::Zero());
+void CompressedEkf::redefineErrors(const std::function<MatrixXd(const MatrixXd&)>& T) {
+  const MatrixXd TP = T(activeCovariance());
+  const int n = states();
+  P_.topLeftCorner(n, n) = T(TP.transpose());
+  phi_.topLeftCorner(n, origin_states_) = T(phi_.topLeftCorner(n, origin_states_));
 }
 
 void CompressedEkf::addRigidNoise(const std::vector<int>& slots, const Eigen::Matrix3d& noise) {

@@ -69,6 +69,11 @@ VehicleMatrix CompressedEkf::vehicleCovariance() const {
   return covariance;
 }
 
+MatrixXd CompressedEkf::activeCovariance() const {
+  flushMotion();
+  return symmetric(P_, states());
+}
+
 Vector2d CompressedEkf::landmark(int slot) const {
   const int row = rowOf(slot);
   if (row >= 0) return x_.segment<2>(row);

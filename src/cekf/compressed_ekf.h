@@ -152,12 +152,22 @@ class CompressedEkf {
   /// The same; nothing if the update would be refused.
   std::optional<Eigen::VectorXd> statesAfter(
       const std::vector<SparseMeasurement>& measurements) const;
+  /// By how much the update would move landmarks, active or not [m]. The update must not be one
+  /// that would be refused.
+  std::vector<Eigen::Vector2d> movesBy(const std::vector<SparseMeasurement>& measurements,
+                                       const std::vector<int>& slots) const;
   /// Farthest that an active landmark is from its place among such states [m].
   double largestMove(const Eigen::VectorXd& states) const;
   /// The active landmark's place among such states.
   Eigen::Vector2d landmarkAmong(const Eigen::VectorXd& states, int slot) const {
     return states.segment<2>(rowOf(slot));
   }
+
+  /// The vehicle's and the active landmarks' states, and their covariance.
+  Eigen::VectorXd activeStates() const { return x_.head(states()); }
+  Eigen::MatrixXd activeCovariance() const;
+  /// Where the active landmark's place stands among them.
+  int activeRow(int slot) const { return rowOf(slot); }
 
   /// Innovation covariance of measurements of active landmarks, without noise: 2x2 blocks in their
   /// order, lower triangle.
@@ -189,10 +199,11 @@ class CompressedEkf {
   /// (P <- T * P * T' with T = I + gain * e'), while the estimates stay.
   void addVehicleError(int slot, const Eigen::Vector2d& gain, int vehicle_state);
 
-  /// Turns an active landmark's error by `angle_rad` to the left; the estimates stay.
-  void turnError(int slot, double angle_rad);
-  /// The same of the vehicle's position.
-  void turnVehicleError(double angle_rad);
+  /// Redefines the errors of the vehicle's states and of what is active, e <- T * e; the estimates
+  /// stay. `T` multiplies a matrix of such rows, activeStates()' order, from the left.
+  void redefineErrors(const std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>& T);
+  /// Moves the estimates alone, and no passive ones.
+  void moveStates(const Eigen::VectorXd& by) { x_.head(states()) += by; }
 
   /// Adds an error that the vehicle's pose has, of covariance `noise` (x, y, yaw), and that active
   /// landmarks have with it, as one body.

@@ -209,6 +209,26 @@ std::optional<VectorXd> CompressedEkf::statesAfter(
   return statesAfter(*linearised);
 }
 
+std::vector<Eigen::Vector2d> CompressedEkf::movesBy(
+    const std::vector<SparseMeasurement>& measurements, const std::vector<int>& slots) const {
+  std::vector<Eigen::Vector2d> moves;
+  const std::optional<Linearised> linearised = linearise(measurements);
+  if (!linearised) return moves;
+  const VectorXd weighted =
+      linearised->L.triangularView<Eigen::Lower>().transpose().solve(linearised->whitened);
+  const VectorXd active = linearised->HP.transpose() * weighted;
+  const VectorXd origins = measurementsTimesPhi(measurements).transpose() * weighted;
+  for (const int slot : slots) {
+    const int row = rowOf(slot);
+    if (row >= 0) {
+      moves.emplace_back(active.segment<2>(row));
+    } else {
+      moves.emplace_back(originCovariance(slot).transpose() * origins);
+    }
+  }
+  return moves;
+}
+
 UpdateOutcome CompressedEkf::update(const std::vector<SparseMeasurement>& measurements) {
   if (measurements.empty()) return {};
   std::optional<Linearised> linearised = linearise(measurements);

@@ -46,6 +46,7 @@ void fuseDiameter(const Observation& observation, RegisteredLandmark& landmark) 
 
 LandmarkLifeCycle::LandmarkLifeCycle(const CekfSlamConfig& config)
     : config_(config.landmarks),
+      large_correction_m_(config.large_correction_m),
       at_first_estimates_(config.update.atFirstEstimates()),
       merge_gate_(chiSquareQuantile(config_.merge_probability, 2)),
       hit_log_odds_(std::log(config_.detection_probability / config_.false_detection_probability)),

@@ -153,6 +153,7 @@ class LandmarkLifeCycle {
   void followMerges();
 
   LandmarkConfig config_;
+  double large_correction_m_;
   bool at_first_estimates_;  ///< whether RegisteredLandmark::linearised_at counts
   double merge_gate_;
   double hit_log_odds_, miss_log_odds_;

@@ -87,10 +87,9 @@ double LandmarkLifeCycle::closeLoop(double time_s, VehicleState& vehicle, Compre
       time_s, VehicleState::pose(filter).position(), are_distinct, registry_, filter);
   if (found.pairs.empty()) return 0.0;
   if (found.slip) addSlip(found, filter);
-  const LoopBend bend(registry_, filter);
-  const double moved_m = fuse(found.pairs, filter);
-  bend.follow(vehicle, registry_, filter);
-  return moved_m;
+  const auto same_places = [&] { return samePlaces(found.pairs, filter); };
+  const double bent_m = bendMap(same_places, large_correction_m_, vehicle, registry_, filter);
+  return std::max(bent_m, fuse(found.pairs, filter));
 }
 
 /// The vehicle slipped after it had lost sight of the older landmarks. What has come into the map
@@ -111,14 +110,6 @@ void LandmarkLifeCycle::addSlip(const DuplicatesFound& found, CompressedEkf& fil
 
 std::vector<SparseMeasurement> LandmarkLifeCycle::samePlaces(
     const std::vector<DuplicateLandmarks>& duplicates, const CompressedEkf& filter) {
-  // Of a turn by a, the filter neglects a^2/2 of the way to the centre; that counts as noise.
-  std::vector<Move> moves;
-  Vector2d centre = Vector2d::Zero();
-  for (const DuplicateLandmarks& pair : duplicates) {
-    moves.push_back({filter.landmark(pair.gone), filter.landmark(pair.kept)});
-    centre += moves.back().from / static_cast<double>(duplicates.size());
-  }
-  const double turn_rad = turnOf(moves), neglected = 0.5 * turn_rad * turn_rad;
   std::vector<SparseMeasurement> same_places;
   for (const DuplicateLandmarks& pair : duplicates) {
     SparseMeasurement same_place;
@@ -128,8 +119,7 @@ std::vector<SparseMeasurement> LandmarkLifeCycle::samePlaces(
     same_place.landmarks[1] = pair.gone;
     same_place.H_landmarks[0] = Matrix2d::Identity();
     same_place.H_landmarks[1] = -Matrix2d::Identity();
-    const double neglected_m = neglected * (filter.landmark(pair.gone) - centre).norm();
-    same_place.noise = (kFusionVariance + neglected_m * neglected_m) * Matrix2d::Identity();
+    same_place.noise = kFusionVariance * Matrix2d::Identity();
     same_places.push_back(same_place);
   }
   return same_places;

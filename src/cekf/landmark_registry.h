@@ -32,13 +32,12 @@ struct RegisteredLandmark {
   double deviation_m = 0.0;  ///< bound of its deviation in the map; may lag behind the filter's
   /// Where Jacobians are taken, if not at the latest estimate; see relinearise().
   Eigen::Vector2d linearised_at = Eigen::Vector2d::Zero();
-  double turn_rad = 0.0;  ///< by which its error is yet to be turned; see LoopBend
 
   template <class Archive>
   void describeState(Archive& archive) {
     archive(id, slot, identity, type, diameter_m, diameter_variance, diameter_state, observations,
             first_seen_s, last_seen_s, farthest_seen_m, existence_log_odds, position, deviation_m,
-            linearised_at, turn_rad, lasting_error);
+            linearised_at, lasting_error);
   }
 };
 

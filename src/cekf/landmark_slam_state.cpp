@@ -7,7 +7,7 @@ namespace hymm::core {
 namespace {
 
 constexpr const char* kStateKind = "hymm landmarks";
-constexpr std::uint32_t kStateVersion = 5;
+constexpr std::uint32_t kStateVersion = 6;
 
 }  // namespace
 

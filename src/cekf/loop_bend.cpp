@@ -2,74 +2,113 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
-#include "common/angles.h"
+#include "cekf/error_transport.h"
 
 namespace hymm::core {
 namespace {
 
 using Eigen::Vector2d;
+using Eigen::VectorXd;
 
-// Landmarks that came before and after one, of which it is told how far that turns.
-constexpr std::size_t kNeighbours = 3;
+// A step that turns by this stretches by 0.0002.
+constexpr double kStep_rad = 0.02;
+
+// What is left for the update.
+constexpr double kTolerance_m = 0.01;
+
+constexpr int kMostSteps = 200;
+
+/// Landmarks that the update moves by more than `least_m`; of too many, those that move most.
+std::vector<int> landmarksMoved(const std::vector<SparseMeasurement>& measurements, double least_m,
+                                const LandmarkRegistry& registry, const CompressedEkf& filter) {
+  std::vector<int> slots;
+  for (const RegisteredLandmark& landmark : registry.all()) slots.push_back(landmark.slot);
+  const std::vector<Vector2d> moves = filter.movesBy(measurements, slots);
+  std::vector<std::pair<double, int>> moved;
+  for (std::size_t k = 0; k < moves.size(); ++k) {
+    if (moves[k].norm() > least_m) moved.emplace_back(-moves[k].norm(), slots[k]);
+  }
+  std::sort(moved.begin(), moved.end());
+  if (moved.size() > kMostBent) moved.resize(kMostBent);
+  slots.clear();
+  for (const auto& [move, slot] : moved) slots.push_back(slot);
+  return slots;
+}
+
+/// The way to where the update leads.
+class Way {
+ public:
+  Way(const MeasurementsNow& measurements, const std::vector<int>& slots, CompressedEkf& filter)
+      : measurements_(measurements),
+        filter_(filter),
+        transport_(placesOf(slots, filter), filter.activeCovariance()),
+        moved_(VectorXd::Zero(filter.activeStates().size())) {}
+
+  /// False if there is no end.
+  bool goToEnd() {
+    for (int step = 0; step < kMostSteps; ++step) {
+      const std::optional<VectorXd> end = filter_.statesAfter(measurements_());
+      if (!end) return false;
+      if (filter_.largestMove(*end) < kTolerance_m) return true;
+      goTowards(*end);
+    }
+    return false;
+  }
+
+  /// What the states were moved by, on the way.
+  const VectorXd& moved() const { return moved_; }
+
+ private:
+  static std::vector<int> placesOf(const std::vector<int>& slots, const CompressedEkf& filter) {
+    std::vector<int> places{0};
+    for (const int slot : slots) places.push_back(filter.activeRow(slot));
+    return places;
+  }
+
+  void goTowards(const VectorXd& end) {
+    const VectorXd states = filter_.activeStates(), left = end - states;
+    const double turn_rad = transport_.turns(states, left).cwiseAbs().maxCoeff();
+    const VectorXd moves = turn_rad > kStep_rad ? VectorXd(kStep_rad / turn_rad * left) : left;
+    const ErrorTransport::Map map = transport_.mapAlong(states, moves);
+    filter_.redefineErrors([&map](const Eigen::MatrixXd& errors) { return map * errors; });
+    filter_.moveStates(moves);
+    moved_ += moves;
+  }
+
+  const MeasurementsNow& measurements_;
+  CompressedEkf& filter_;
+  ErrorTransport transport_;
+  VectorXd moved_;
+};
 
 }  // namespace
 
-double turnOf(const std::vector<Move>& moves) {
-  Vector2d from = Vector2d::Zero(), to = Vector2d::Zero();
-  for (const Move& move : moves) {
-    from += move.from / static_cast<double>(moves.size());
-    to += move.to / static_cast<double>(moves.size());
-  }
-  double dot = 0.0, cross = 0.0;
-  for (const Move& move : moves) {
-    const Vector2d before = move.from - from, after = move.to - to;
-    dot += before.dot(after);
-    cross += before.x() * after.y() - before.y() * after.x();
-  }
-  return moves.size() < 2 ? 0.0 : std::atan2(cross, dot);
-}
+double bendMap(const MeasurementsNow& measurements, double least_move_m, VehicleState& vehicle,
+               LandmarkRegistry& registry, CompressedEkf& filter) {
+  if (filter.areLandmarksFixed()) return 0.0;
+  const std::optional<VectorXd> straight = filter.statesAfter(measurements());
+  if (!straight || filter.largestMove(*straight) <= least_move_m) return 0.0;
 
-LoopBend::LoopBend(const LandmarkRegistry& registry, const CompressedEkf& filter)
-    : pose_(filter.vehicle().head<3>()) {
-  std::vector<RegisteredLandmark> all = registry.all();
-  std::stable_sort(all.begin(), all.end(), [](const auto& one, const auto& other) {
-    return one.first_seen_s < other.first_seen_s;
-  });
-  for (const RegisteredLandmark& landmark : all) {
-    before_.push_back({landmark.slot, filter.landmark(landmark.slot)});
+  const std::vector<int> slots =
+      landmarksMoved(measurements(), 0.1 * least_move_m, registry, filter);
+  for (const int slot : slots) filter.activate(slot);
+  const LocalState before = filter.localState();
+  Way way(measurements, slots, filter);
+  if (!way.goToEnd()) {
+    filter.goBackTo(before);
+    return 0.0;
   }
-}
-
-void LoopBend::follow(VehicleState& vehicle, LandmarkRegistry& registry,
-                      CompressedEkf& filter) const {
-  if (filter.areLandmarksFixed()) return;
-  std::vector<int> slots;
-  std::vector<Move> moves;
-  for (const Place& before : before_) {
-    if (registry.bySlot(before.slot).id < 0) continue;  // it was fused with another
-    slots.push_back(before.slot);
-    moves.push_back({before.position, filter.landmark(before.slot)});
+  vehicle.linearisePositionAt(vehicle.linearisedAt() + way.moved().head<2>());
+  double farthest_m = 0.0;
+  for (const int slot : slots) {
+    const Vector2d moved = way.moved().segment<2>(filter.activeRow(slot));
+    registry.bySlot(slot).linearised_at += moved;
+    farthest_m = std::max(farthest_m, moved.norm());
   }
-  for (std::size_t k = 0; k < moves.size(); ++k) {
-    const std::size_t first = k - std::min(k, kNeighbours);
-    const std::size_t last = std::min(k + kNeighbours + 1, moves.size());
-    RegisteredLandmark& landmark = registry.bySlot(slots[k]);
-    landmark.linearised_at += moves[k].to - moves[k].from;
-    landmark.turn_rad += turnOf({moves.begin() + static_cast<std::ptrdiff_t>(first),
-                                 moves.begin() + static_cast<std::ptrdiff_t>(last)});
-    if (filter.isActive(slots[k])) takeTurn(landmark, filter);
-  }
-  const Eigen::Vector3d moved = filter.vehicle().head<3>() - pose_;
-  vehicle.linearisePositionAt(vehicle.linearisedAt() + moved.head<2>());
-  filter.turnVehicleError(wrapAngle(moved.z()));
-}
-
-void takeTurn(RegisteredLandmark& landmark, CompressedEkf& filter) {
-  if (landmark.turn_rad == 0.0 || filter.areLandmarksFixed()) return;
-  filter.activate(landmark.slot);
-  filter.turnError(landmark.slot, landmark.turn_rad);
-  landmark.turn_rad = 0.0;
+  return farthest_m;
 }
 
 }  // namespace hymm::core

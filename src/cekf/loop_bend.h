@@ -1,8 +1,7 @@
 #pragma once
 
+#include <functional>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "cekf/compressed_ekf.h"
 #include "cekf/landmark_registry.h"
@@ -10,44 +9,27 @@
 
 namespace hymm::core {
 
-/// Where something was, and where it is.
-struct Move {
-  Eigen::Vector2d from, to;
-};
+/// Measurements as they are at the filter's present estimates.
+using MeasurementsNow = std::function<std::vector<SparseMeasurement>()>;
 
-/// By which angle [rad] things have turned about their centre (least squares); 0 for a single one.
-double turnOf(const std::vector<Move>& moves);
-
-/// How a correction that closes a loop bends the map. What was seen long ago stays, what was seen
-/// lately goes with the vehicle, and what came between goes by less: neighbours go together, and
-/// turn by the same angle. A Kalman filter takes over how far they go, but its covariance says how
-/// they may lie to each other in the old axes: an error of the heading with which two landmarks
-/// were seen shifts one of them at right angles to the old line between them. Measured along the
-/// new line, it would be found to be none.
+/// Bends the map to where an update that closes a loop leads: what was seen long ago stays, what
+/// was seen lately turns and goes with the vehicle, and what came between turns by less. A Kalman
+/// filter goes there straight: it stretches what it should turn, and its covariance is of the map
+/// as it lay before. Worse, what is to be one place lies apart there, and so takes part otherwise
+/// in an error of the map's heading, which the update then measures.
 ///
-/// So errors are turned along with the map. Jacobians are taken where the correction has put what
-/// they are of. (relinearise() serves for corrections that turn the map as a whole: it carries the
-/// vehicle's present error of the heading along, which has no part in what was seen before.)
-class LoopBend {
- public:
-  /// Of a correction yet to come.
-  LoopBend(const LandmarkRegistry& registry, const CompressedEkf& filter);
+/// So the way is gone in small steps, each turning the errors along with the map (ErrorTransport)
+/// and leading on by the covariance as it is then. The covariance stays that of before the update:
+/// this is left to the caller, with hardly an innovation left; covariance and Jacobians belong to
+/// where it ends. Measurements count as exact against what bends.
+///
+/// Nothing happens if an update as it stands moves no landmark by more than `least_move_m`, if it
+/// would be refused, or if no end is found. Landmarks that it moves by less than a tenth of that,
+/// and of more than kMostBent those that it moves least, count as staying; passive ones do stay.
+/// Returns the farthest that a landmark has moved [m].
+double bendMap(const MeasurementsNow& measurements, double least_move_m, VehicleState& vehicle,
+               LandmarkRegistry& registry, CompressedEkf& filter);
 
-  /// Now it has come. Active landmarks are turned, others when takeTurn() finds them active.
-  void follow(VehicleState& vehicle, LandmarkRegistry& registry, CompressedEkf& filter) const;
-
- private:
-  struct Place {
-    int slot;
-    Eigen::Vector2d position;
-  };
-
-  std::vector<Place> before_;  ///< of landmarks, as they came into the map
-  Eigen::Vector3d pose_;       ///< of the vehicle
-};
-
-/// Turns the error of a landmark that a loop's closing has turned, if that is left to do. Makes it
-/// active.
-void takeTurn(RegisteredLandmark& landmark, CompressedEkf& filter);
+inline constexpr std::size_t kMostBent = 600;
 
 }  // namespace hymm::core

@@ -8,7 +8,6 @@
 
 #include "cekf/landmark_measurement.h"
 #include "cekf/landmark_sighting.h"
-#include "cekf/loop_bend.h"
 #include "cekf/pairing_evidence.h"
 #include "cekf/relinearisation.h"
 #include "cekf/vehicle_state.h"
@@ -77,7 +76,6 @@ SparseMeasurement ScanAssociator::measure(Observation& sighting, const SensorPla
                                           RegisteredLandmark& landmark,
                                           CompressedEkf& filter) const {
   const Pose2 pose = VehicleState::pose(filter);
-  takeTurn(landmark, filter);
   SparseMeasurement measurement = sightLandmark(sighting, pose, sensor, landmark, filter);
   if (landmark.lasting_error.exists()) {
     lasting_errors_.goOn((pose * sensor.T_base_sensor).position(), landmark, filter);

@@ -75,15 +75,30 @@ class FilterPair {
     slots_.erase(id);
   }
 
-  void turnError(int id, double angle_rad) {
-    compressed_.activate(slots_.at(id));
-    compressed_.turnError(slots_.at(id), angle_rad);
-    full_.turnError(id, angle_rad);
-  }
-
-  void turnVehicleError(double angle_rad) {
-    compressed_.turnVehicleError(angle_rad);
-    full_.turnVehicleError(angle_rad);
+  /// e <- T * e, of the vehicle's states and the landmarks in `ids`, in this order.
+  void redefineErrors(const std::vector<int>& ids, const Eigen::MatrixXd& T) {
+    for (const int id : ids) compressed_.activate(slots_.at(id));
+    const auto rowsOf = [&](auto&& first) {
+      std::vector<Eigen::Index> rows;
+      for (Eigen::Index k = 0; k < full_.vehicleStates(); ++k) rows.push_back(k);
+      for (const int id : ids) rows.insert(rows.end(), {first(id), first(id) + 1});
+      return rows;
+    };
+    const auto among = [&T](const std::vector<Eigen::Index>& rows, Eigen::Index size) {
+      Eigen::MatrixXd all = Eigen::MatrixXd::Identity(size, size);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        for (std::size_t j = 0; j < rows.size(); ++j) {
+          all(rows[i], rows[j]) = T(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+        }
+      }
+      return all;
+    };
+    const Eigen::MatrixXd active =
+        among(rowsOf([&](int id) { return Eigen::Index{compressed_.activeRow(slots_.at(id))}; }),
+              compressed_.activeStates().size());
+    compressed_.redefineErrors([&](const Eigen::MatrixXd& errors) { return active * errors; });
+    full_.redefineErrors(
+        among(rowsOf([&](int id) { return full_.index(id); }), full_.state().size()));
   }
 
   void addVehicleError(int id, const Eigen::Vector2d& gain, int vehicle_state) {

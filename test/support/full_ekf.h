@@ -93,8 +93,7 @@ class FullEkf {
     P_ = (T * P_ * T.transpose()).eval();
   }
 
-  void turnError(int id, double angle_rad) { turnErrorAt(index(id), angle_rad); }
-  void turnVehicleError(double angle_rad) { turnErrorAt(0, angle_rad); }
+  void redefineErrors(const Eigen::MatrixXd& T) { P_ = (T * P_ * T.transpose()).eval(); }
 
   void addRigidNoise(const std::vector<int>& ids, const Eigen::Matrix3d& noise) {
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(x_.size(), 3);
@@ -123,13 +122,6 @@ class FullEkf {
   Eigen::Index vehicleStates() const { return nv_; }
 
  private:
-  void turnErrorAt(Eigen::Index place, double angle_rad) {
-    Eigen::MatrixXd T = Eigen::MatrixXd::Identity(x_.size(), x_.size());
-    T.block<2, 2>(place, place) << std::cos(angle_rad), -std::sin(angle_rad), std::sin(angle_rad),
-        std::cos(angle_rad);
-    P_ = (T * P_ * T.transpose()).eval();
-  }
-
   Eigen::Index nv_;
   Eigen::VectorXd x_;
   Eigen::MatrixXd P_;

@@ -34,7 +34,7 @@ enum class Kind {
   kFix,
   kInitialise,
   kAddVehicleError,
-  kTurn,
+  kRedefineErrors,
   kFade,
   kSlip,
   kGlobalUpdate,
@@ -64,7 +64,7 @@ rc::Gen<std::vector<Step>> anyHistory() {
                                                     {1, Kind::kFix},
                                                     {1, Kind::kInitialise},
                                                     {2, Kind::kAddVehicleError},
-                                                    {2, Kind::kTurn},
+                                                    {2, Kind::kRedefineErrors},
                                                     {2, Kind::kFade},
                                                     {1, Kind::kSlip},
                                                     {2, Kind::kGlobalUpdate},
@@ -111,10 +111,8 @@ class RandomFilters {
       case Kind::kAddVehicleError:
         if (filters_.slots().empty()) return;
         return filters_.addVehicleError(anyLandmark(), randomMatrix(generator_, 2, 1, 1.0), 2);
-      case Kind::kTurn:
-        if (!filters_.slots().empty())
-          filters_.turnError(anyLandmark(), sampleNormal(generator_, 1.0));
-        return filters_.turnVehicleError(sampleNormal(generator_, 1.0));
+      case Kind::kRedefineErrors:
+        return redefineErrors();
       case Kind::kFade:
         return fade();
       case Kind::kSlip:
@@ -144,6 +142,15 @@ class RandomFilters {
     const auto& slots = filters_.slots();
     const auto index = std::uniform_int_distribution<std::size_t>(0, slots.size() - 1)(generator_);
     return std::next(slots.begin(), static_cast<std::ptrdiff_t>(index))->first;
+  }
+
+  void redefineErrors() {
+    std::set<int> ids;
+    for (int k = 0; k < 3 && !filters_.slots().empty(); ++k) ids.insert(anyLandmark());
+    const int states = kVehicleStates + 2 * static_cast<int>(ids.size());
+    const MatrixXd T =
+        MatrixXd::Identity(states, states) + randomMatrix(generator_, states, states, 0.1);
+    filters_.redefineErrors({ids.begin(), ids.end()}, T);
   }
 
   void predict() {

@@ -1,6 +1,7 @@
 #include "cekf/loop_bend.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,115 +14,206 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
+using Eigen::VectorXd;
 
-constexpr double kHeadingDeviation_rad = 0.1;
+constexpr int kStates = 5;
+constexpr double kSide_m = 50.0;
+constexpr double kStep_m = 10.0;
+constexpr double kHeadingDeviation_rad = 0.1;  // of the start: nothing that follows tells it
+constexpr double kLeastMove_m = 0.5;
 
-Vector2d turned(const Vector2d& v, double angle_rad) {
-  return {std::cos(angle_rad) * v.x() - std::sin(angle_rad) * v.y(),
-          std::sin(angle_rad) * v.x() + std::cos(angle_rad) * v.y()};
-}
-
-TEST(TurnOf, IsTheAngleOfThingsThatMovedAsOneBody) {
-  std::vector<Move> moves;
-  for (const Vector2d& place : {Vector2d(1.0, 2.0), Vector2d(-3.0, 4.0), Vector2d(10.0, 0.0)}) {
-    moves.push_back({place, turned(place, 0.7) + Vector2d(5.0, -6.0)});
-  }
-  EXPECT_NEAR(turnOf(moves), 0.7, 1e-12);
-}
-
-TEST(TurnOf, IsNothingForASingleOne) {
-  EXPECT_EQ(turnOf({{Vector2d(1.0, 2.0), Vector2d(3.0, 5.0)}}), 0.0);
-}
-
-/// Landmarks that were seen with one error of the heading, in a row ahead of a vehicle that has it
-/// still, and three older ones that are known.
+/// A drive round a square, with a landmark every 10 m, of a vehicle that turns too far by
+/// `excess_rad` at each corner; so the last landmark, which is the first, comes to lie elsewhere.
 class LoopBendTest : public testing::Test {
  protected:
-  LoopBendTest()
-      : vehicle_(VehicleConfig{}, true, false, true),
-        filter_(Eigen::VectorXd::Zero(5), vehicleCovariance()) {
-    for (int k = 0; k < 3; ++k) old_.push_back(add({3.0, 10.0 * k}, 1.0 + k, false));
-    for (int k = 0; k < 7; ++k) row_.push_back(add({10.0 + 10.0 * k, 0.0}, 100.0 + k, true));
+  explicit LoopBendTest(double excess_rad = 0.08)
+      : vehicle_(VehicleConfig{}, true, false, true), filter_(VectorXd::Zero(kStates), begin()) {
+    addLandmark();
+    for (int corner = 0; corner < 4; ++corner) {
+      for (double way = 0.0; way < kSide_m; way += kStep_m) {
+        drive(kStep_m);
+        addLandmark();
+      }
+      turn(0.5 * kPi + excess_rad);
+    }
+    vehicle_.linearisePositionAt(filter_.vehicle().head<2>());
   }
 
-  static MatrixXd vehicleCovariance() {
-    MatrixXd P = 1e-4 * MatrixXd::Identity(5, 5);
+  static MatrixXd begin() {
+    MatrixXd P = 1e-6 * MatrixXd::Identity(kStates, kStates);
     P(2, 2) = kHeadingDeviation_rad * kHeadingDeviation_rad;
     return P;
   }
 
-  int add(const Vector2d& place, double first_seen_s, bool shares_heading) {
-    MatrixXd G = MatrixXd::Zero(2, 5);
-    if (shares_heading) G.col(2) << -place.y(), place.x();
+  void drive(double way_m) {
+    VectorXd states = filter_.vehicle();
+    const Vector2d way = way_m * Vector2d(std::cos(states[2]), std::sin(states[2]));
+    states.head<2>() += way;
+    MatrixXd J = MatrixXd::Identity(kStates, kStates), Q = MatrixXd::Zero(kStates, kStates);
+    J.col(2).head<2>() += Vector2d(-way.y(), way.x());
+    Q.topLeftCorner<2, 2>() = 1e-4 * Matrix2d::Identity();
+    filter_.predict(states, J, Q);
+  }
+
+  void turn(double angle_rad) {
+    VectorXd states = filter_.vehicle();
+    states[2] += angle_rad;
+    MatrixXd Q = MatrixXd::Zero(kStates, kStates);
+    Q(2, 2) = 0.03 * 0.03;
+    filter_.predict(states, MatrixXd::Identity(kStates, kStates), Q);
+  }
+
+  /// Where the vehicle is.
+  void addLandmark() {
+    MatrixXd G = MatrixXd::Zero(2, kStates);
+    G.leftCols<2>().setIdentity();
     RegisteredLandmark landmark;
-    landmark.slot = landmark.id = filter_.append(place, G, 1e-6 * Matrix2d::Identity());
-    landmark.position = landmark.linearised_at = place;
-    landmark.first_seen_s = first_seen_s;
+    landmark.position = landmark.linearised_at = filter_.vehicle().head<2>();
+    landmark.slot = landmark.id = filter_.append(landmark.position, G, 1e-4 * Matrix2d::Identity());
     registry_.add(landmark);
-    return landmark.slot;
+    slots_.push_back(landmark.slot);
   }
 
-  /// The row turns out to lie otherwise: its last landmark is at `place`.
-  void findLastAt(const Vector2d& place) {
-    filter_.activate(row_.back());
-    SparseMeasurement seen;
-    seen.H_vehicle.resize(2, 0);
-    seen.landmarks[0] = row_.back();
-    seen.H_landmarks[0] = Matrix2d::Identity();
-    seen.innovation = place - filter_.landmark(row_.back());
-    seen.noise = Matrix2d::Identity();  // so that the heading stays uncertain by a degree
-    const LoopBend bend(registry_, filter_);
-    filter_.update({seen});
-    bend.follow(vehicle_, registry_, filter_);
+  /// The last landmark is the first.
+  std::vector<SparseMeasurement> closing() const {
+    SparseMeasurement same;
+    same.H_vehicle.resize(2, 0);
+    same.landmarks[0] = slots_.front();
+    same.landmarks[1] = slots_.back();
+    same.H_landmarks[0] = Matrix2d::Identity();
+    same.H_landmarks[1] = -Matrix2d::Identity();
+    same.innovation = filter_.landmark(slots_.back()) - filter_.landmark(slots_.front());
+    same.noise = 1e-4 * Matrix2d::Identity();
+    return {same};
   }
 
-  Matrix2d relativeCovariance(int a, int b) {
-    return filter_.covariance(a, a) + filter_.covariance(b, b) - filter_.covariance(a, b) -
-           filter_.covariance(b, a);
+  double bend() {
+    return bendMap([this] { return closing(); }, kLeastMove_m, vehicle_, registry_, filter_);
+  }
+
+  double gap() const {
+    return (filter_.landmark(slots_.back()) - filter_.landmark(slots_.front())).norm();
+  }
+
+  /// Deviation of the direction in which the first side lies [rad].
+  double headingDeviation() const {
+    const Vector2d side = filter_.landmark(slots_[4]) - filter_.landmark(slots_[0]);
+    const Vector2d across(-side.y(), side.x());
+    const int a = slots_[4], b = slots_[0];
+    const Matrix2d between = filter_.covariance(a, a) + filter_.covariance(b, b) -
+                             filter_.covariance(a, b) - filter_.covariance(b, a);
+    return std::sqrt(across.dot(between * across)) / across.squaredNorm();
+  }
+
+  /// Most by which a way from one landmark to the next differs from what was driven [m].
+  double stretch() const {
+    double most = 0.0;
+    for (std::size_t k = 0; k + 1 < slots_.size(); ++k) {
+      const double way = (filter_.landmark(slots_[k + 1]) - filter_.landmark(slots_[k])).norm();
+      most = std::max(most, std::abs(way - kStep_m));
+    }
+    return most;
   }
 
   VehicleState vehicle_;
   CompressedEkf filter_;
   LandmarkRegistry registry_;
-  std::vector<int> old_, row_;
+  std::vector<int> slots_;
 };
 
-TEST_F(LoopBendTest, TheLengthOfARowIsKnownAlongItWhereverItPointsNow) {
-  findLastAt(turned({70.0, 0.0}, 0.2));
-  const Vector2d along = (filter_.landmark(row_[5]) - filter_.landmark(row_[1])).normalized();
-  EXPECT_NEAR(std::atan2(along.y(), along.x()), 0.2, 0.01);
-  const Matrix2d relative = relativeCovariance(row_[5], row_[1]);
-  const Vector2d across = turned(along, 0.5 * kPi);
-  EXPECT_GT(std::sqrt(across.dot(relative * across)), 0.4);
-  EXPECT_LT(std::sqrt(along.dot(relative * along)), 0.01) << "its length is known to millimetres";
+TEST_F(LoopBendTest, ClosingDoesNotTellTheHeadingOfTheMap) {
+  ASSERT_GT(gap(), 10.0);
+  const double before = headingDeviation();
+  ASSERT_NEAR(before, kHeadingDeviation_rad, 0.01);
+  ASSERT_GT(bend(), 0.0);
+  EXPECT_NEAR(headingDeviation(), before, 0.02 * before);
+  filter_.update(closing());
+  EXPECT_LT(gap(), 0.05);
+  EXPECT_NEAR(headingDeviation(), before, 0.02 * before);
 }
 
-TEST_F(LoopBendTest, JacobiansAreTakenWhereThingsAreNow) {
-  findLastAt(turned({70.0, 0.0}, 0.2));
-  for (const int slot : row_) {
-    EXPECT_TRUE(registry_.bySlot(slot).linearised_at.isApprox(filter_.landmark(slot), 1e-9));
+TEST_F(LoopBendTest, AStraightUpdateWouldTellItAndStretchTheMap) {
+  const double before = headingDeviation();
+  filter_.update(closing());
+  EXPECT_LT(headingDeviation(), 0.85 * before);
+  EXPECT_GT(stretch(), 0.1);
+}
+
+TEST_F(LoopBendTest, TheEstimatesEndWhereTheUpdateLeads) {
+  const double before = gap();
+  EXPECT_GT(bend(), 0.5 * before);
+  EXPECT_LT(gap(), 0.02);
+  EXPECT_LT(filter_.landmark(slots_.front()).norm(), 0.02) << "it began there";
+}
+
+TEST_F(LoopBendTest, WhatIsTurnedIsNotStretched) {
+  ASSERT_LT(stretch(), 1e-9);
+  ASSERT_GT(bend(), 0.0);
+  filter_.update(closing());
+  EXPECT_LT(stretch(), 0.03);
+}
+
+TEST_F(LoopBendTest, JacobiansAreTakenWhereTheUpdateEnds) {
+  ASSERT_GT(bend(), 0.0);
+  filter_.update(closing());
+  for (const int slot : slots_) {
+    EXPECT_LT((registry_.bySlot(slot).linearised_at - filter_.landmark(slot)).norm(), 0.1);
   }
-  EXPECT_TRUE(vehicle_.linearisedAt().isApprox(filter_.vehicle().head<2>(), 1e-9));
+  EXPECT_LT((vehicle_.linearisedAt() - filter_.vehicle().head<2>()).norm(), 0.1);
 }
 
-TEST_F(LoopBendTest, WhatStaysIsNotTurned) {
-  const Matrix2d before = relativeCovariance(old_[0], old_[2]);
-  findLastAt(turned({70.0, 0.0}, 0.2));
-  EXPECT_NEAR(filter_.landmark(old_[0]).x(), 3.0, 1e-9);
-  EXPECT_TRUE(relativeCovariance(old_[0], old_[2]).isApprox(before, 1e-6));
+TEST_F(LoopBendTest, PassiveLandmarksAreBentAsWell) {
+  ASSERT_TRUE(filter_.globalUpdate());
+  filter_.activate(slots_.front());
+  filter_.activate(slots_.back());
+  const double before = headingDeviation();
+  ASSERT_GT(bend(), 0.0);
+  filter_.update(closing());
+  EXPECT_LT(stretch(), 0.03);
+  EXPECT_NEAR(headingDeviation(), before, 0.02 * before);
 }
 
-TEST_F(LoopBendTest, PassiveLandmarksAreTurnedOnceTheyAreActive) {
-  filter_.globalUpdate();
-  findLastAt(turned({70.0, 0.0}, 0.2));
-  RegisteredLandmark& first = registry_.bySlot(row_[2]);
-  EXPECT_NEAR(first.turn_rad, 0.2, 0.02);
-  takeTurn(first, filter_);
-  takeTurn(registry_.bySlot(row_[5]), filter_);
-  EXPECT_EQ(first.turn_rad, 0.0);
-  const Vector2d along = (filter_.landmark(row_[5]) - filter_.landmark(row_[2])).normalized();
-  const Matrix2d relative = relativeCovariance(row_[5], row_[2]);
-  EXPECT_LT(std::sqrt(along.dot(relative * along)), 0.01);
+TEST_F(LoopBendTest, NothingHappensToFixedLandmarks) {
+  filter_.fixLandmarks(true);
+  EXPECT_EQ(bend(), 0.0);
+}
+
+TEST_F(LoopBendTest, NothingHappensBeforeAnUpdateThatIsRefused) {
+  const MatrixXd before = filter_.activeCovariance();
+  const auto senseless = [this] {
+    std::vector<SparseMeasurement> measurements = closing();
+    measurements[0].innovation.x() = std::numeric_limits<double>::quiet_NaN();
+    return measurements;
+  };
+  EXPECT_EQ(bendMap(senseless, kLeastMove_m, vehicle_, registry_, filter_), 0.0);
+  EXPECT_EQ(filter_.activeCovariance(), before);
+}
+
+TEST_F(LoopBendTest, NothingHappensIfThereIsNoEnd) {
+  const MatrixXd before = filter_.activeCovariance();
+  const VectorXd states = filter_.activeStates();
+  const Vector2d linearised_at = registry_.bySlot(slots_.back()).linearised_at;
+  double away_m = 0.0;
+  const auto runsAway = [&] {
+    std::vector<SparseMeasurement> measurements = closing();
+    measurements[0].innovation.x() += away_m += 5.0;
+    return measurements;
+  };
+  EXPECT_EQ(bendMap(runsAway, kLeastMove_m, vehicle_, registry_, filter_), 0.0);
+  EXPECT_EQ(filter_.activeCovariance(), before);
+  EXPECT_EQ(filter_.activeStates(), states);
+  EXPECT_EQ(registry_.bySlot(slots_.back()).linearised_at, linearised_at);
+}
+
+class SmallLoopBendTest : public LoopBendTest {
+ protected:
+  SmallLoopBendTest() : LoopBendTest(0.001) {}
+};
+
+TEST_F(SmallLoopBendTest, NothingHappensIfNothingMovesFar) {
+  const MatrixXd before = filter_.activeCovariance();
+  EXPECT_EQ(bend(), 0.0);
+  EXPECT_EQ(filter_.activeCovariance(), before);
 }
 
 }  // namespace

@@ -1,0 +1,209 @@
+#include "cekf/error_transport.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+namespace hymm::core {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+// Ties of a place: two would do if none were in line with it, and none badly known.
+constexpr std::size_t kTies = 6;
+
+// What is known better counts as known so well [m^2], so that no tie outweighs all others.
+constexpr double kLeastVariance = 1e-4;
+
+// Moment of a place's ties below which they do not tell its heading: one of 1 m, known to 10 m.
+constexpr double kLeastMoment = 0.01;
+
+// A line between places that changes by less than this share of itself tells its own turn; where
+// they come upon each other, their ties tell.
+constexpr double kLine = 0.1;
+
+Vector2d turnedLeft(const Vector2d& v) { return {-v.y(), v.x()}; }
+
+double relativeVariance(int a, int b, const MatrixXd& P) {
+  double variance = kLeastVariance;
+  for (int i = 0; i < 2; ++i) {
+    variance += std::max(0.0, P(a + i, a + i) + P(b + i, b + i) - 2.0 * P(a + i, b + i));
+  }
+  return variance;
+}
+
+}  // namespace
+
+double turnOf(const std::vector<Move>& moves) {
+  Vector2d from = Vector2d::Zero(), to = Vector2d::Zero();
+  for (const Move& move : moves) {
+    from += move.from / static_cast<double>(moves.size());
+    to += move.to / static_cast<double>(moves.size());
+  }
+  double dot = 0.0, cross = 0.0;
+  for (const Move& move : moves) {
+    const Vector2d before = move.from - from, after = move.to - to;
+    dot += before.dot(after);
+    cross += before.x() * after.y() - before.y() * after.x();
+  }
+  return moves.size() < 2 ? 0.0 : std::atan2(cross, dot);
+}
+
+ErrorTransport::ErrorTransport(std::vector<int> places, const MatrixXd& covariance)
+    : places_(std::move(places)), ties_(places_.size()), ground_(places_.size()) {
+  tie(covariance);
+  Triplets weights;
+  for (int i = 0; i < ground_.size(); ++i) {
+    weights.emplace_back(i, i, ground_[i]);
+    for (const Tie& tie : ties_[static_cast<std::size_t>(i)]) {
+      weights.emplace_back(i, i, tie.weight);
+      weights.emplace_back(i, tie.other, -tie.weight);
+    }
+  }
+  Eigen::SparseMatrix<double> sum(ground_.size(), ground_.size());
+  sum.setFromTriplets(weights.begin(), weights.end());
+  agreement_.compute(sum);
+}
+
+int ErrorTransport::bestKnown(const MatrixXd& P) const {
+  const auto variance = [&P](int row) { return P(row, row) + P(row + 1, row + 1); };
+  const auto best = std::min_element(places_.begin(), places_.end(),
+                                     [&](int a, int b) { return variance(a) < variance(b); });
+  return static_cast<int>(best - places_.begin());
+}
+
+void ErrorTransport::tie(const MatrixXd& P) {
+  const int n = static_cast<int>(places_.size());
+  ground_.setZero();
+  ground_[bestKnown(P)] = 1.0;
+  std::vector<Tie> others;
+  for (int i = 0; i < n; ++i) {
+    const int row = places_[static_cast<std::size_t>(i)];
+    others.clear();
+    for (int j = 0; j < n; ++j) {
+      if (j == i) continue;
+      const double variance = relativeVariance(row, places_[static_cast<std::size_t>(j)], P);
+      others.push_back({j, 1.0 / (variance * variance)});
+    }
+    const std::size_t count = std::min(kTies, others.size());
+    std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count),
+                      others.end(), [](const Tie& a, const Tie& b) {
+                        return a.weight != b.weight ? a.weight > b.weight : a.other < b.other;
+                      });
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto add = [this](int from, int to, double weight) {
+        auto& ties = ties_[static_cast<std::size_t>(from)];
+        const bool is_there =
+            std::any_of(ties.begin(), ties.end(), [to](const Tie& tie) { return tie.other == to; });
+        if (!is_there) ties.push_back({to, weight});
+      };
+      add(i, others[k].other, others[k].weight);
+      add(others[k].other, i, others[k].weight);
+    }
+  }
+}
+
+VectorXd ErrorTransport::turns(const VectorXd& states, const VectorXd& moves) const {
+  VectorXd turns(ground_.size());
+  turns[0] = moves[kHeading];
+  std::vector<Move> near;
+  for (int i = 1; i < turns.size(); ++i) {
+    near.assign(1, {at(states, i), at(states, i) + at(moves, i)});
+    for (const Tie& tie : ties_[static_cast<std::size_t>(i)]) {
+      near.push_back({at(states, tie.other), at(states, tie.other) + at(moves, tie.other)});
+    }
+    turns[i] = turnOf(near);
+  }
+  return turns;
+}
+
+/// By place, as a row that is multiplied with all errors: the error of the heading of the place and
+/// what it is tied to, as a body.
+std::vector<ErrorTransport::Row> ErrorTransport::headings(const VectorXd& states) const {
+  const auto size = states.size();
+  Row vehicle(size);
+  vehicle.insert(kHeading) = 1.0;
+  std::vector<Row> headings(places_.size(), vehicle);
+  for (int i = 1; i < ground_.size(); ++i) {
+    Row row(size);
+    double moment = 0.0;
+    for (const Tie& tie : ties_[static_cast<std::size_t>(i)]) {
+      const Vector2d arm = at(states, i) - at(states, tie.other);
+      const Vector2d gain = tie.weight * turnedLeft(arm);
+      moment += tie.weight * arm.squaredNorm();
+      for (int k = 0; k < 2; ++k) {
+        row.coeffRef(places_[static_cast<std::size_t>(i)] + k) += gain[k];
+        row.coeffRef(places_[static_cast<std::size_t>(tie.other)] + k) -= gain[k];
+      }
+    }
+    if (moment > kLeastMoment) headings[static_cast<std::size_t>(i)] = row / moment;
+  }
+  return headings;
+}
+
+ErrorTransport::Map ErrorTransport::mapAlong(const VectorXd& states, const VectorXd& moves) const {
+  const VectorXd turned = turns(states, moves);
+  const std::vector<Row> heading = headings(states);
+  Triplets G[2];
+  const auto addError = [&](int i, int of, const Matrix2d& gain) {
+    const int column = places_[static_cast<std::size_t>(of)];
+    for (int k = 0; k < 2; ++k) {
+      for (int j = 0; j < 2; ++j) G[k].emplace_back(i, column + j, gain(k, j));
+    }
+  };
+  const auto addHeading = [&](int i, int of, const Vector2d& gain) {
+    for (Row::InnerIterator entry(heading[static_cast<std::size_t>(of)]); entry; ++entry) {
+      for (int k = 0; k < 2; ++k) {
+        G[k].emplace_back(i, static_cast<int>(entry.index()), gain[k] * entry.value());
+      }
+    }
+  };
+  for (int i = 0; i < ground_.size(); ++i) {
+    const Matrix2d own = Eigen::Rotation2Dd(turned[i]).toRotationMatrix();
+    addError(i, i, ground_[i] * own);
+    const Vector2d to = at(states, i) + at(moves, i);
+    addHeading(i, i, ground_[i] * turnedLeft(to - own * at(states, i)));
+    for (const Tie& tie : ties_[static_cast<std::size_t>(i)]) {
+      const Vector2d line = at(states, i) - at(states, tie.other);
+      const Vector2d line_to = line + at(moves, i) - at(moves, tie.other);
+      const bool is_line = (line_to - line).norm() < kLine * line.norm();
+      const double turn_rad = is_line
+                                  ? turnOf({{Vector2d::Zero(), Vector2d::Zero()}, {line, line_to}})
+                                  : 0.5 * (turned[i] + turned[tie.other]);
+      const Matrix2d R = Eigen::Rotation2Dd(turn_rad).toRotationMatrix();
+      addError(i, i, tie.weight * R);
+      addError(i, tie.other, -tie.weight * R);
+      const Vector2d stretched = tie.weight * turnedLeft(line_to - R * line);
+      // What the vehicle sees, it sees with its own heading's error.
+      const bool is_seen = i == 0 || tie.other == 0;
+      addHeading(i, is_seen ? 0 : i, 0.5 * stretched);
+      addHeading(i, is_seen ? 0 : tie.other, 0.5 * stretched);
+    }
+  }
+  Map map(*this);
+  for (int k = 0; k < 2; ++k) {
+    map.G_[k].resize(ground_.size(), states.size());
+    map.G_[k].setFromTriplets(G[k].begin(), G[k].end());
+  }
+  return map;
+}
+
+MatrixXd ErrorTransport::Map::operator*(const MatrixXd& errors) const {
+  MatrixXd result = errors;
+  for (int k = 0; k < 2; ++k) {
+    const MatrixXd sum = G_[k] * errors;
+    const MatrixXd agreed = transport_.agreement_.solve(sum);
+    for (std::size_t i = 0; i < transport_.places_.size(); ++i) {
+      result.row(transport_.places_[i] + k) = agreed.row(static_cast<Eigen::Index>(i));
+    }
+  }
+  return result;
+}
+
+}  // namespace hymm::core
