@@ -18,8 +18,9 @@ using Triplets = std::vector<Eigen::Triplet<double>>;
 // Ties of a place: two would do if none were in line with it, and none badly known.
 constexpr std::size_t kTies = 6;
 
-// What is known better counts as known so well [m^2], so that no tie outweighs all others.
-constexpr double kLeastVariance = 1e-4;
+// What is known better or worse counts as known so well [m^2]: weights within ten decimal digits,
+// so that seven are left of the result.
+constexpr double kLeastVariance = 0.01, kMostVariance = 100.0;
 
 // Moment of a place's ties below which they do not tell its heading: one of 1 m, known to 10 m.
 constexpr double kLeastMoment = 0.01;
@@ -30,12 +31,14 @@ constexpr double kLine = 0.1;
 
 Vector2d turnedLeft(const Vector2d& v) { return {-v.y(), v.x()}; }
 
-double relativeVariance(int a, int b, const MatrixXd& P) {
-  double variance = kLeastVariance;
+/// Of a tie between the places in rows a and b.
+double weightOf(int a, int b, const MatrixXd& P) {
+  double variance = 0.0;
   for (int i = 0; i < 2; ++i) {
-    variance += std::max(0.0, P(a + i, a + i) + P(b + i, b + i) - 2.0 * P(a + i, b + i));
+    variance += P(a + i, a + i) + P(b + i, b + i) - 2.0 * P(a + i, b + i);
   }
-  return variance;
+  const double bounded = std::clamp(variance, kLeastVariance, kMostVariance);
+  return 1.0 / (bounded * bounded);
 }
 
 }  // namespace
@@ -80,31 +83,58 @@ int ErrorTransport::bestKnown(const MatrixXd& P) const {
 
 void ErrorTransport::tie(const MatrixXd& P) {
   const int n = static_cast<int>(places_.size());
-  ground_.setZero();
-  ground_[bestKnown(P)] = 1.0;
-  std::vector<Tie> others;
+  MatrixXd weights(n, n);
   for (int i = 0; i < n; ++i) {
-    const int row = places_[static_cast<std::size_t>(i)];
+    for (int j = 0; j < n; ++j) {
+      weights(i, j) =
+          weightOf(places_[static_cast<std::size_t>(i)], places_[static_cast<std::size_t>(j)], P);
+    }
+  }
+  const int ground = bestKnown(P);
+  ground_.setZero();
+  ground_[ground] = 1.0;
+  tieToBest(weights);
+  tieAllTogether(ground, weights);
+}
+
+void ErrorTransport::addTie(int a, int b, double weight) {
+  auto& ties = ties_[static_cast<std::size_t>(a)];
+  const auto is_same = [b](const Tie& tie) { return tie.other == b; };
+  if (std::any_of(ties.begin(), ties.end(), is_same)) return;
+  ties.push_back({b, weight});
+  ties_[static_cast<std::size_t>(b)].push_back({a, weight});
+}
+
+void ErrorTransport::tieToBest(const MatrixXd& weights) {
+  const int n = static_cast<int>(weights.rows());
+  std::vector<int> others;
+  for (int i = 0; i < n; ++i) {
     others.clear();
     for (int j = 0; j < n; ++j) {
-      if (j == i) continue;
-      const double variance = relativeVariance(row, places_[static_cast<std::size_t>(j)], P);
-      others.push_back({j, 1.0 / (variance * variance)});
+      if (j != i) others.push_back(j);
     }
-    const std::size_t count = std::min(kTies, others.size());
-    std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count),
-                      others.end(), [](const Tie& a, const Tie& b) {
-                        return a.weight != b.weight ? a.weight > b.weight : a.other < b.other;
-                      });
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto add = [this](int from, int to, double weight) {
-        auto& ties = ties_[static_cast<std::size_t>(from)];
-        const bool is_there =
-            std::any_of(ties.begin(), ties.end(), [to](const Tie& tie) { return tie.other == to; });
-        if (!is_there) ties.push_back({to, weight});
-      };
-      add(i, others[k].other, others[k].weight);
-      add(others[k].other, i, others[k].weight);
+    const auto last = others.begin() + static_cast<std::ptrdiff_t>(std::min(kTies, others.size()));
+    std::partial_sort(others.begin(), last, others.end(), [&](int a, int b) {
+      return weights(i, a) != weights(i, b) ? weights(i, a) > weights(i, b) : a < b;
+    });
+    for (auto other = others.begin(); other != last; ++other) addTie(i, *other, weights(i, *other));
+  }
+}
+
+/// Groups whose best ties are all among themselves: by the best tree (Prim's).
+void ErrorTransport::tieAllTogether(int root, const MatrixXd& weights) {
+  VectorXd best = weights.col(root);  // tie of each to the tree; negative: it is in there
+  std::vector<int> to(static_cast<std::size_t>(best.size()), root);
+  best[root] = -1.0;
+  for (Eigen::Index count = 1; count < best.size(); ++count) {
+    Eigen::Index next = 0;
+    const double weight = best.maxCoeff(&next);
+    addTie(static_cast<int>(next), to[static_cast<std::size_t>(next)], weight);
+    best[next] = -1.0;
+    for (Eigen::Index k = 0; k < best.size(); ++k) {
+      if (best[k] < 0.0 || weights(k, next) <= best[k]) continue;
+      best[k] = weights(k, next);
+      to[static_cast<std::size_t>(k)] = static_cast<int>(next);
     }
   }
 }

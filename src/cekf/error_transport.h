@@ -74,6 +74,9 @@ class ErrorTransport {
   }
   int bestKnown(const Eigen::MatrixXd& covariance) const;
   void tie(const Eigen::MatrixXd& covariance);
+  void addTie(int a, int b, double weight);
+  void tieToBest(const Eigen::MatrixXd& weights);
+  void tieAllTogether(int root, const Eigen::MatrixXd& weights);
   std::vector<Row> headings(const Eigen::VectorXd& states) const;
 
   std::vector<int> places_;

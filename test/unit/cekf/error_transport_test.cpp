@@ -114,6 +114,24 @@ TEST(ErrorTransport, AnErrorOfTheHeadingOfAllTurnsAllWhereverItHasBeenMoved) {
   }
 }
 
+TEST(ErrorTransport, GroupsThatAreKnownEachInItselfAreTiedToEachOther) {
+  constexpr int kGroup = 10;
+  const std::vector<int> places = placesOf(2 * kGroup);
+  const auto size = static_cast<Eigen::Index>(kVehicleStates + 4 * kGroup);
+  MatrixXd P = 1e-4 * MatrixXd::Identity(size, size);
+  VectorXd shared = VectorXd::Zero(size);  // the second group lies otherwise by 20 m, all of it
+  shared.tail(2 * kGroup).setConstant(20.0);
+  P += shared * shared.transpose();
+  std::mt19937 generator(4);
+  std::normal_distribution<double> normal(0.0, 30.0);
+  VectorXd states(size), moves(size);
+  for (double& value : states) value = normal(generator);
+  for (double& value : moves) value = 0.1 * normal(generator);
+  const ErrorTransport transport(places, P);
+  const VectorXd carried = transport.mapAlong(states, moves) * headingOfAll(states, places);
+  EXPECT_TRUE(carried.isApprox(headingOfAll(states + moves, places), 1e-6));
+}
+
 TEST(ErrorTransport, ALandmarkAloneOnAnothersPlaceTakesTheVehiclesHeading) {
   const std::vector<int> places = placesOf(1);
   VectorXd states = VectorXd::Zero(kVehicleStates + 2);
