@@ -88,8 +88,8 @@ double LandmarkLifeCycle::closeLoop(double time_s, VehicleState& vehicle, Compre
   if (found.pairs.empty()) return 0.0;
   if (found.slip) addSlip(found, filter);
   const auto same_places = [&] { return samePlaces(found.pairs, filter); };
-  const double bent_m = bendMap(same_places, large_correction_m_, vehicle, registry_, filter);
-  return std::max(bent_m, fuse(found.pairs, filter));
+  bendMap(same_places, large_correction_m_, vehicle, registry_, filter);
+  return fuse(found.pairs, filter);
 }
 
 /// The vehicle slipped after it had lost sight of the older landmarks. What has come into the map

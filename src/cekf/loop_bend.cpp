@@ -10,13 +10,14 @@
 namespace hymm::core {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 // A step that turns by this stretches by 0.0002.
 constexpr double kStep_rad = 0.02;
 
-// What is left for the update.
+// Between where the covariance belongs and where the update ends.
 constexpr double kTolerance_m = 0.01;
 
 constexpr int kMostSteps = 200;
@@ -38,25 +39,29 @@ std::vector<int> landmarksMoved(const std::vector<SparseMeasurement>& measuremen
   return slots;
 }
 
-/// The way to where the update leads.
+/// The way from the estimates as they were to where the update leads from there.
 class Way {
  public:
   Way(const MeasurementsNow& measurements, const std::vector<int>& slots, CompressedEkf& filter)
       : measurements_(measurements),
         filter_(filter),
         transport_(placesOf(slots, filter), filter.activeCovariance()),
-        moved_(VectorXd::Zero(filter.activeStates().size())) {}
+        gone_(VectorXd::Zero(filter.activeStates().size())),
+        moved_(gone_) {}
 
   /// False if there is no end.
   bool goToEnd() {
     for (int step = 0; step < kMostSteps; ++step) {
-      const std::optional<VectorXd> end = filter_.statesAfter(measurements_());
-      if (!end) return false;
-      if (filter_.largestMove(*end) < kTolerance_m) return true;
-      goTowards(*end);
+      const std::optional<VectorXd> left = leftToGo();
+      if (!left) return false;
+      if (filter_.largestMove(filter_.activeStates() + *left) < kTolerance_m) return true;
+      go(*left);
     }
     return false;
   }
+
+  /// Puts the estimates back to where they were, seen in the axes as they are now.
+  void putBack() { filter_.moveStates(-gone_); }
 
   /// What the states were moved by, on the way.
   const VectorXd& moved() const { return moved_; }
@@ -68,29 +73,51 @@ class Way {
     return places;
   }
 
-  void goTowards(const VectorXd& end) {
-    const VectorXd states = filter_.activeStates(), left = end - states;
+  /// From here to where the update leads from the estimates as they were: with the gain K of the
+  /// present covariance, K (z - h(x) + H * gone) - gone.
+  std::optional<VectorXd> leftToGo() const {
+    std::vector<SparseMeasurement> measurements = measurements_();
+    for (SparseMeasurement& measurement : measurements) {
+      if (measurement.H_vehicle.cols() > 0) {
+        measurement.innovation += measurement.H_vehicle * gone_.head(filter_.vehicleStates());
+      }
+      for (int k = 0; k < SparseMeasurement::kPairs; ++k) {
+        const int slot = measurement.landmarks[k];
+        if (slot == SparseMeasurement::kNone) continue;
+        measurement.innovation +=
+            measurement.H_landmarks[k] * gone_.segment<2>(filter_.activeRow(slot));
+      }
+    }
+    std::optional<VectorXd> states = filter_.statesAfter(measurements);
+    if (states) *states -= filter_.activeStates() + gone_;
+    return states;
+  }
+
+  void go(const VectorXd& left) {
+    const VectorXd states = filter_.activeStates();
     const double turn_rad = transport_.turns(states, left).cwiseAbs().maxCoeff();
     const VectorXd moves = turn_rad > kStep_rad ? VectorXd(kStep_rad / turn_rad * left) : left;
     const ErrorTransport::Map map = transport_.mapAlong(states, moves);
-    filter_.redefineErrors([&map](const Eigen::MatrixXd& errors) { return map * errors; });
+    filter_.redefineErrors([&map](const MatrixXd& errors) { return map * errors; });
     filter_.moveStates(moves);
+    gone_ = map * MatrixXd(gone_ + moves);
     moved_ += moves;
   }
 
   const MeasurementsNow& measurements_;
   CompressedEkf& filter_;
   ErrorTransport transport_;
+  VectorXd gone_;  ///< from the estimates as they were, in the axes as they are now
   VectorXd moved_;
 };
 
 }  // namespace
 
-double bendMap(const MeasurementsNow& measurements, double least_move_m, VehicleState& vehicle,
-               LandmarkRegistry& registry, CompressedEkf& filter) {
-  if (filter.areLandmarksFixed()) return 0.0;
+bool bendMap(const MeasurementsNow& measurements, double least_move_m, VehicleState& vehicle,
+             LandmarkRegistry& registry, CompressedEkf& filter) {
+  if (filter.areLandmarksFixed()) return false;
   const std::optional<VectorXd> straight = filter.statesAfter(measurements());
-  if (!straight || filter.largestMove(*straight) <= least_move_m) return 0.0;
+  if (!straight || filter.largestMove(*straight) <= least_move_m) return false;
 
   const std::vector<int> slots =
       landmarksMoved(measurements(), 0.1 * least_move_m, registry, filter);
@@ -99,16 +126,14 @@ double bendMap(const MeasurementsNow& measurements, double least_move_m, Vehicle
   Way way(measurements, slots, filter);
   if (!way.goToEnd()) {
     filter.goBackTo(before);
-    return 0.0;
+    return false;
   }
+  way.putBack();
   vehicle.linearisePositionAt(vehicle.linearisedAt() + way.moved().head<2>());
-  double farthest_m = 0.0;
   for (const int slot : slots) {
-    const Vector2d moved = way.moved().segment<2>(filter.activeRow(slot));
-    registry.bySlot(slot).linearised_at += moved;
-    farthest_m = std::max(farthest_m, moved.norm());
+    registry.bySlot(slot).linearised_at += way.moved().segment<2>(filter.activeRow(slot));
   }
-  return farthest_m;
+  return true;
 }
 
 }  // namespace hymm::core

@@ -19,16 +19,15 @@ using MeasurementsNow = std::function<std::vector<SparseMeasurement>()>;
 /// in an error of the map's heading, which the update then measures.
 ///
 /// So the way is gone in small steps, each turning the errors along with the map (ErrorTransport)
-/// and leading on by the covariance as it is then. The covariance stays that of before the update:
-/// this is left to the caller, with hardly an innovation left; covariance and Jacobians belong to
-/// where it ends. Measurements count as exact against what bends.
+/// and leading on by the covariance as it is then, which stays that of before the update. At the
+/// end the estimates are put back to where they were, seen in the turned axes. That leaves the
+/// update itself to the caller; covariance and Jacobians belong to where it ends.
 ///
-/// Nothing happens if an update as it stands moves no landmark by more than `least_move_m`, if it
-/// would be refused, or if no end is found. Landmarks that it moves by less than a tenth of that,
-/// and of more than kMostBent those that it moves least, count as staying; passive ones do stay.
-/// Returns the farthest that a landmark has moved [m].
-double bendMap(const MeasurementsNow& measurements, double least_move_m, VehicleState& vehicle,
-               LandmarkRegistry& registry, CompressedEkf& filter);
+/// Nothing happens, and false is returned, if an update as it stands moves no landmark by more than
+/// `least_move_m`, if it would be refused, or if no end is found. Landmarks that it moves by less
+/// than a tenth of that, and of more than kMostBent those that it moves least, keep their errors.
+bool bendMap(const MeasurementsNow& measurements, double least_move_m, VehicleState& vehicle,
+             LandmarkRegistry& registry, CompressedEkf& filter);
 
 inline constexpr std::size_t kMostBent = 600;
 
