@@ -9,6 +9,7 @@ namespace hymm::benchmarks {
 struct ScanOptions {
   int scans = 700;           ///< over 20 area switches at 5 m/s
   double live_speed = 2.0;   ///< pace of the scans, as a multiple of the live one; 0: at once
+  bool stays_awake = false;  ///< between scans: asks for the time, instead of sleeping
   std::string perf_control;  ///< FIFO that tells perf when the drive begins and ends
 };
 

@@ -33,6 +33,9 @@ void printHelp() {
       "  --scans=NUMBER        scans that BM_ScanCompressedEkf drives (default 700: over 20 area\n"
       "                        switches); BM_ScanFullEkf drives as many of them as bearable\n"
       "  --live_speed=FACTOR   pace of the scans, times 4.67 Hz (default 2); 0: no pause\n"
+      "  --stay_awake          until a scan is due, asks for the time instead of sleeping: tells "
+      "what\n"
+      "                        of a scan's time is the processor's waking up\n"
       "  --perf_control=FIFO   tells `perf record --control fifo:FIFO -D -1` when the drive of\n"
       "                        BM_ScanCompressedEkf begins and ends\n"
       "\n"
@@ -68,6 +71,8 @@ Options takeOptions(int& argc, char** argv) {
       options.scan.scans = static_cast<int>(numberOf(value, "--scans"));
     } else if ((value = valueOf(argv[i], "--live_speed")) != nullptr) {
       options.scan.live_speed = numberOf(value, "--live_speed");
+    } else if (std::strcmp(argv[i], "--stay_awake") == 0) {
+      options.scan.stays_awake = true;
     } else if ((value = valueOf(argv[i], "--perf_control")) != nullptr) {
       options.scan.perf_control = value;
     } else if ((value = valueOf(argv[i], "--benchmark_filter")) != nullptr) {

@@ -25,17 +25,22 @@ constexpr int kWarmUpScans = 40;
 /// Lets scans begin at an even rate, as a live sensor does.
 class Pace {
  public:
-  explicit Pace(double live_speed)
-      : period_(live_speed > 0.0 ? 1.0 / (PlainDrive::kScanRate_hz * live_speed) : 0.0),
+  explicit Pace(const ScanOptions& options)
+      : period_(options.live_speed > 0.0 ? 1.0 / (PlainDrive::kScanRate_hz * options.live_speed)
+                                         : 0.0),
+        stays_awake_(options.stays_awake),
         next_(Clock::now()) {}
 
   void wait() {
-    std::this_thread::sleep_until(next_);
+    if (!stays_awake_) std::this_thread::sleep_until(next_);
+    while (Clock::now() < next_) {
+    }
     next_ += std::chrono::duration_cast<Clock::duration>(period_);
   }
 
  private:
   std::chrono::duration<double> period_;
+  bool stays_awake_;
   Clock::time_point next_;
 };
 
@@ -108,7 +113,7 @@ void scanCompressedEkf(benchmark::State& state, int landmarks, const ScanOptions
     while (slam.isGlobalUpdatePending()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 
-  Pace pace(options.live_speed);
+  Pace pace(options);
   Latencies latencies;
   std::size_t scan = 0;
   for (; scan < kWarmUpScans; ++scan) {
