@@ -18,7 +18,7 @@ using Triplets = std::vector<Eigen::Triplet<double>>;
 // Ties of a place: two would do if none were in line with it, and none badly known.
 constexpr std::size_t kTies = 6;
 
-// What is known better or worse counts as known so well [m^2]: weights within ten decimal digits,
+// What is known better or worse counts as known so well [m^2]: weights within eight decimal digits,
 // so that seven are left of the result.
 constexpr double kLeastVariance = 0.01, kMostVariance = 100.0;
 
