@@ -152,8 +152,7 @@ class CompressedEkf {
   /// The same; nothing if the update would be refused.
   std::optional<Eigen::VectorXd> statesAfter(
       const std::vector<SparseMeasurement>& measurements) const;
-  /// By how much the update would move landmarks, active or not [m]. The update must not be one
-  /// that would be refused.
+  /// By how much the update would move landmarks, active or not [m]; empty if it would be refused.
   std::vector<Eigen::Vector2d> movesBy(const std::vector<SparseMeasurement>& measurements,
                                        const std::vector<int>& slots) const;
   /// Farthest that an active landmark is from its place among such states [m].

@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "common/quarter_turn.h"
+
 namespace hymm::core {
 namespace {
 
@@ -29,8 +31,6 @@ constexpr double kLeastMoment = 0.01;
 // they come upon each other, their ties tell.
 constexpr double kLine = 0.1;
 
-Vector2d turnedLeft(const Vector2d& v) { return {-v.y(), v.x()}; }
-
 /// Of a tie between the places in rows a and b.
 double weightOf(int a, int b, const MatrixXd& P) {
   double variance = 0.0;
@@ -40,6 +40,45 @@ double weightOf(int a, int b, const MatrixXd& P) {
   const double bounded = std::clamp(variance, kLeastVariance, kMostVariance);
   return 1.0 / (bounded * bounded);
 }
+
+/// A line that hardly changes tells its own turn; else it is `otherwise_rad`.
+Matrix2d turnOfTie(const Vector2d& line, const Vector2d& line_to, double otherwise_rad) {
+  const bool is_line = (line_to - line).norm() < kLine * line.norm();
+  const double turn_rad =
+      is_line ? turnOf({{Vector2d::Zero(), Vector2d::Zero()}, {line, line_to}}) : otherwise_rad;
+  return Eigen::Rotation2Dd(turn_rad).toRotationMatrix();
+}
+
+/// What the ties say of each place's error, before it is shared out, as a matrix that is multiplied
+/// with all errors.
+class Gains {
+ public:
+  /// `headings`: by place, see ErrorTransport::headings().
+  Gains(const std::vector<int>& places, std::vector<Eigen::SparseVector<double>> headings)
+      : places_(places), headings_(std::move(headings)) {}
+
+  void addError(int place, int of, const Matrix2d& gain) {
+    const int column = places_[static_cast<std::size_t>(of)];
+    for (int k = 0; k < 2; ++k) {
+      for (int j = 0; j < 2; ++j) entries[k].emplace_back(place, column + j, gain(k, j));
+    }
+  }
+
+  void addHeading(int place, int of, const Vector2d& gain) {
+    const auto& heading = headings_[static_cast<std::size_t>(of)];
+    for (Eigen::SparseVector<double>::InnerIterator entry(heading); entry; ++entry) {
+      for (int k = 0; k < 2; ++k) {
+        entries[k].emplace_back(place, static_cast<int>(entry.index()), gain[k] * entry.value());
+      }
+    }
+  }
+
+  Triplets entries[2];  ///< by coordinate
+
+ private:
+  const std::vector<int>& places_;
+  std::vector<Eigen::SparseVector<double>> headings_;
+};
 
 }  // namespace
 
@@ -179,47 +218,29 @@ std::vector<ErrorTransport::Row> ErrorTransport::headings(const VectorXd& states
 
 ErrorTransport::Map ErrorTransport::mapAlong(const VectorXd& states, const VectorXd& moves) const {
   const VectorXd turned = turns(states, moves);
-  const std::vector<Row> heading = headings(states);
-  Triplets G[2];
-  const auto addError = [&](int i, int of, const Matrix2d& gain) {
-    const int column = places_[static_cast<std::size_t>(of)];
-    for (int k = 0; k < 2; ++k) {
-      for (int j = 0; j < 2; ++j) G[k].emplace_back(i, column + j, gain(k, j));
-    }
-  };
-  const auto addHeading = [&](int i, int of, const Vector2d& gain) {
-    for (Row::InnerIterator entry(heading[static_cast<std::size_t>(of)]); entry; ++entry) {
-      for (int k = 0; k < 2; ++k) {
-        G[k].emplace_back(i, static_cast<int>(entry.index()), gain[k] * entry.value());
-      }
-    }
-  };
+  Gains gains(places_, headings(states));
   for (int i = 0; i < ground_.size(); ++i) {
     const Matrix2d own = Eigen::Rotation2Dd(turned[i]).toRotationMatrix();
-    addError(i, i, ground_[i] * own);
+    gains.addError(i, i, ground_[i] * own);
     const Vector2d to = at(states, i) + at(moves, i);
-    addHeading(i, i, ground_[i] * turnedLeft(to - own * at(states, i)));
+    gains.addHeading(i, i, ground_[i] * turnedLeft(to - own * at(states, i)));
     for (const Tie& tie : ties_[static_cast<std::size_t>(i)]) {
       const Vector2d line = at(states, i) - at(states, tie.other);
       const Vector2d line_to = line + at(moves, i) - at(moves, tie.other);
-      const bool is_line = (line_to - line).norm() < kLine * line.norm();
-      const double turn_rad = is_line
-                                  ? turnOf({{Vector2d::Zero(), Vector2d::Zero()}, {line, line_to}})
-                                  : 0.5 * (turned[i] + turned[tie.other]);
-      const Matrix2d R = Eigen::Rotation2Dd(turn_rad).toRotationMatrix();
-      addError(i, i, tie.weight * R);
-      addError(i, tie.other, -tie.weight * R);
+      const Matrix2d R = turnOfTie(line, line_to, 0.5 * (turned[i] + turned[tie.other]));
+      gains.addError(i, i, tie.weight * R);
+      gains.addError(i, tie.other, -tie.weight * R);
       const Vector2d stretched = tie.weight * turnedLeft(line_to - R * line);
       // What the vehicle sees, it sees with its own heading's error.
       const bool is_seen = i == 0 || tie.other == 0;
-      addHeading(i, is_seen ? 0 : i, 0.5 * stretched);
-      addHeading(i, is_seen ? 0 : tie.other, 0.5 * stretched);
+      gains.addHeading(i, is_seen ? 0 : i, 0.5 * stretched);
+      gains.addHeading(i, is_seen ? 0 : tie.other, 0.5 * stretched);
     }
   }
   Map map(*this);
   for (int k = 0; k < 2; ++k) {
     map.G_[k].resize(ground_.size(), states.size());
-    map.G_[k].setFromTriplets(G[k].begin(), G[k].end());
+    map.G_[k].setFromTriplets(gains.entries[k].begin(), gains.entries[k].end());
   }
   return map;
 }

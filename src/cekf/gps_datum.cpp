@@ -8,6 +8,7 @@
 
 #include "cekf/vehicle_state.h"
 #include "common/chi_square.h"
+#include "common/quarter_turn.h"
 
 namespace hymm::core {
 namespace {
@@ -18,8 +19,6 @@ using Eigen::Vector2d;
 
 // Bounds memory and work where a vehicle collects fixes for long before it drives.
 constexpr std::size_t kMostSamples = 500;
-
-Vector2d turnedLeft(const Vector2d& v) { return {-v.y(), v.x()}; }
 
 }  // namespace
 

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/quarter_turn.h"
+
 namespace hymm::core {
 namespace {
 
 constexpr double kSmallestRange_m = 1e-3;
 
 /// The vector `v` turned left by a right angle: derivative of a rotated vector by the angle.
-Eigen::Vector2d turnedLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
-
 }  // namespace
 
 RangeBearing predictRangeBearing(const Pose2& T_map_base, const Pose2& T_base_sensor,

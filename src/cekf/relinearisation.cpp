@@ -1,13 +1,13 @@
 #include "cekf/relinearisation.h"
 
+#include "common/quarter_turn.h"
+
 namespace hymm::core {
 namespace {
 
 using Eigen::Vector2d;
 
 constexpr int kYaw = 2;
-
-Vector2d turnedLeft(const Vector2d& v) { return {-v.y(), v.x()}; }
 
 }  // namespace
 
